@@ -1,0 +1,149 @@
+#include "core/cells/cell_complex.h"
+
+#include <doctest/doctest.h>
+
+#include <numbers>
+#include <random>
+
+#include "tests/support/planes.h"
+
+using namespace sonoloft;
+
+namespace {
+
+const Eigen::AlignedBox3d kBox(Eigen::Vector3d(-50, -50, -50), Eigen::Vector3d(50, 50, 50));
+
+std::vector<CellFace> faces_of(const CellComplex& complex, CellId cell) {
+  std::vector<CellFace> faces;
+  complex.faces(cell, faces);
+  return faces;
+}
+
+}  // namespace
+
+TEST_CASE("cells: an uncut box is one valid cell with six outside walls") {
+  const CellComplex complex(kBox, 0.01);
+  CHECK(complex.cell_count() == 1);
+  CHECK(complex.validate() == "");
+  CHECK(complex.volume(CellId{0}) == doctest::Approx(1e6));
+  for (const CellFace& face : faces_of(complex, CellId{0})) {
+    CHECK(face.label == kOutside);
+    CHECK(face.above);
+    CHECK(area(*face.polygon) == doctest::Approx(1e4));
+  }
+}
+
+TEST_CASE("cells: a plane outside the box changes nothing") {
+  CellComplex complex(kBox, 0.01);
+  const auto delta = complex.insert(test::section_of_discs(test::frame_at({0, 0, 60}, {0, 0, 1}), {{{0, 0}, 10, 1}}));
+  REQUIRE(!delta);
+  CHECK(delta.error().code == ErrorCode::outside_box);
+  CHECK(complex.cell_count() == 1);
+  CHECK(complex.validate() == "");
+}
+
+TEST_CASE("cells: the same plane twice is an error that changes nothing") {
+  CellComplex complex(kBox, 0.01);
+  const Section section = test::section_of_discs(test::frame_at({1, 2, 3}, {0.3, -0.5, 0.8}), {{{0, 0}, 10, 1}});
+  REQUIRE(complex.insert(section));
+  const auto again = complex.insert(section);
+  REQUIRE(!again);
+  CHECK(again.error().code == ErrorCode::duplicate_plane);
+  CHECK(complex.cell_count() == 2);
+}
+
+TEST_CASE("cells: a slice cuts the cells it crosses, keeps their ids below and brings its labels to both sides") {
+  CellComplex complex(kBox, 0.01);
+  REQUIRE(complex.insert(test::section_of_discs(test::frame_at({0, 0, 0}, {0, 0, 1}), {{{0, 0}, 20, 1}})));
+  const auto delta = complex.insert(test::section_of_discs(test::frame_at({0, 0, 0}, {1, 0, 0}), {{{0, 0}, 20, 1}}));
+  REQUIRE(delta);
+  CHECK(delta->lower == std::vector<CellId>{CellId{0}, CellId{1}});
+  CHECK(delta->upper == std::vector<CellId>{CellId{2}, CellId{3}});
+  CHECK(complex.validate() == "");
+  const double disc = 0.5 * 48 * 400.0 * std::sin(2 * std::numbers::pi / 48);
+  for (std::uint32_t cell = 0; cell < 4; ++cell) {
+    const auto faces = faces_of(complex, CellId{cell});
+    CHECK(complex.volume(CellId{cell}) == doctest::Approx(250000.0));
+    double labelled = 0.0;
+    for (const CellFace& face : faces) labelled += area(*face.polygon, 1);
+    CHECK(labelled == doctest::Approx(disc));
+  }
+}
+
+TEST_CASE("cells: walls keep each label's area over 30 planes in free orientations") {
+  CellComplex complex(kBox, 1e-3);
+  std::mt19937 rng(7);
+  double expected = 0.0;
+  for (int i = 0; i < 30; ++i) {
+    const Section section = test::section_of_discs(test::random_frame(rng, 15), {{{0, 0}, 12, 1}, {{-17, 3}, 2.5, 2}});
+    const auto delta = complex.insert(section);
+    REQUIRE(delta);
+    CHECK(delta->reached >= delta->lower.size());
+    expected += 0.5 * 48 * 144.0 * std::sin(2 * std::numbers::pi / 48);
+  }
+  CHECK(complex.validate() == "");
+  double seen = 0.0;
+  double covered = 0.0;
+  for (std::uint32_t cell = 0; cell < complex.cell_count(); ++cell) {
+    const Eigen::AlignedBox3d bounds = complex.bounds(CellId{cell});
+    CHECK(bounds.contains(complex.centre(CellId{cell})));
+    covered += complex.volume(CellId{cell});
+    for (const CellFace& face : faces_of(complex, CellId{cell})) seen += 0.5 * area(*face.polygon, 1);
+  }
+  MESSAGE(complex.cell_count() << " cells, " << complex.face_count() << " faces, " << complex.edge_count() << " edges");
+  CHECK(covered == doctest::Approx(1e6).epsilon(1e-9));
+  CHECK(seen == doctest::Approx(expected).epsilon(1e-4));  // cells thinner than the gap are not cut
+}
+
+TEST_CASE("cells: locating many points agrees with locating one, and the cell contains the point") {
+  CellComplex complex(kBox, 0.01);
+  std::mt19937 rng(11);
+  for (int i = 0; i < 20; ++i) (void)complex.insert(test::section_of_discs(test::random_frame(rng, 20), {{{0, 0}, 9, 1}}));
+  std::uniform_real_distribution<double> uniform(-20.0, 20.0);
+  std::vector<Eigen::Vector3d> points(5000);
+  Eigen::AlignedBox3d bounds;
+  for (Eigen::Vector3d& p : points) {
+    p = Eigen::Vector3d(uniform(rng), uniform(rng), uniform(rng));
+    bounds.extend(p);
+  }
+  std::vector<CellId> found(points.size());
+  complex.locate(bounds, points, found);
+  std::size_t disagree = 0;
+  std::size_t out_of_cell = 0;
+  std::vector<CellFace> faces;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    disagree += found[i] != complex.locate(points[i]);
+    complex.faces(found[i], faces);
+    for (const CellFace& face : faces) {
+      const double height = (face.image_to_reference->inverse() * points[i]).z() * (face.above ? 1.0 : -1.0);
+      out_of_cell += height < -1e-9;
+    }
+  }
+  CHECK(disagree == 0);
+  CHECK(out_of_cell == 0);
+}
+
+TEST_CASE("cells: a slice with a bounded view cuts only the cells that its known part reaches") {
+  CellComplex complex(kBox, 0.01);
+  REQUIRE(complex.insert(test::section_of_discs(test::frame_at({0, 0, 0}, {1, 0, 0}), {{{0, 0}, 5, 1}})));
+  // Known: a disc on the far side of the first plane only; all else of the second plane was not seen.
+  Section view = test::section_of_discs(test::frame_at({0, 0, 0}, {0, 0, 1}), {{{25, 0}, 10, kOutside}});
+  for (SectionEdge& e : view.edges) e.right = kUnknown;
+  view.border = kUnknown;
+  const auto delta = complex.insert(view);
+  REQUIRE(delta);
+  CHECK(delta->lower == std::vector<CellId>{CellId{1}});
+  CHECK(complex.cell_count() == 3);
+  CHECK(complex.validate() == "");
+}
+
+TEST_CASE("cells: planes nearer than the gap merge into the first") {
+  CellComplex complex(kBox, 0.5);
+  REQUIRE(complex.insert(test::section_of_discs(test::frame_at({0, 0, 0}, {0, 0, 1}), {{{0, 0}, 5, 1}})));
+  const auto merged = complex.insert(test::section_of_discs(test::frame_at({0, 0, 0.3}, {0, 0, 1}), {{{0, 0}, 5, 1}}));
+  // The upper cell is 50 mm thick, but its part below the new plane only 0.3 mm.
+  REQUIRE(!merged);
+  CHECK(merged.error().code == ErrorCode::duplicate_plane);
+  CHECK(complex.insert(test::section_of_discs(test::frame_at({0, 0, 0.7}, {0, 0, 1}), {{{0, 0}, 5, 1}})));
+  CHECK(complex.cell_count() == 3);
+}

@@ -33,7 +33,9 @@ struct BrickCoordHash {
 };
 
 /// Index of sample (x, y, z), each 0..7, within its brick.
-constexpr int sample_index(int x, int y, int z) { return x + kBrickSize * (y + kBrickSize * z); }
+constexpr int sample_index(int x, int y, int z) {
+  return x + kBrickSize * (y + kBrickSize * z);
+}
 
 /// The finished (smoothed) samples of one brick: what the mesh is drawn from.
 struct Brick {
@@ -45,14 +47,14 @@ struct Brick {
 };
 
 /// What the mesh stage reads. Postcondition of every update, on which closed meshes rest: for every lattice edge whose
-/// two ends are sampled and differ in label, all four finest cells around that edge have all of their 8 corners sampled.
-/// Threads: const members may run together, but not during an update.
+/// two ends are sampled and differ in label, all four finest cells around that edge have all of their 8 corners
+/// sampled. Threads: const members may run together, but not during an update.
 class SampleLattice {
  public:
   virtual ~SampleLattice() = default;
   /// The brick, or null when none of its samples was taken. Valid until the next update. O(1)
   [[nodiscard]] virtual const Brick* find(BrickCoord coord) const = 0;
-  [[nodiscard]] virtual Eigen::Vector3d origin_mm() const = 0;   ///< lattice point (0,0,0), reference frame
+  [[nodiscard]] virtual Eigen::Vector3d origin_mm() const = 0;  ///< lattice point (0,0,0), reference frame
   [[nodiscard]] virtual double spacing_mm() const = 0;
 };
 

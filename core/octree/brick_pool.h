@@ -1,0 +1,62 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "core/octree/brick.h"
+#include "core/octree/octants.h"
+
+namespace sonoloft {
+
+inline constexpr std::uint32_t kNoCell = 0xFFFFFFFF;
+inline constexpr std::uint32_t kNoBrick = 0xFFFFFFFF;
+
+/// Shares of the labels that occur in a brick.
+struct ShareTable {
+  std::vector<Label> palette;  ///< [#P] ascending
+  std::vector<float> share;    ///< [#P][kBrickSamples]
+
+  /// The row of a label, added with shares 0 when it is new.
+  [[nodiscard]] float* row(Label label);
+  /// The row of a label, or null.
+  [[nodiscard]] const float* find(Label label) const;
+};
+
+/// All that is known of a brick: what was sampled, and what smoothing made of it.
+struct WorkBrick {
+  BrickCoord coord{};
+  std::uint8_t seeds = 0;                     ///< octants that a contour runs through
+  std::uint8_t active = 0;                    ///< octants whose corners are sampled
+  std::array<std::uint8_t, 8> mixed_faces{};  ///< [octant] see mixed_faces()
+  SampleMask sampled;
+  SampleMask pinned;                              ///< within a finest cell of a slice: smoothing leaves it alone
+  std::array<std::uint32_t, kBrickSamples> cell;  ///< the convex cell of a sample, kNoCell
+  std::array<Label, kBrickSamples> label;         ///< as sampled; kNotSampled
+  ShareTable shares;                              ///< as sampled
+  Brick smooth;                                   ///< what the mesh sees
+};
+
+/// The bricks by coordinate and by index. Indices of removed bricks are used again.
+class BrickPool {
+ public:
+  [[nodiscard]] std::uint32_t find(BrickCoord coord) const {
+    const auto it = index_.find(coord);
+    return it == index_.end() ? kNoBrick : it->second;
+  }
+  std::uint32_t find_or_add(BrickCoord coord);
+  void remove(std::uint32_t brick);
+
+  [[nodiscard]] WorkBrick& operator[](std::uint32_t brick) { return *bricks_[brick]; }
+  [[nodiscard]] const WorkBrick& operator[](std::uint32_t brick) const { return *bricks_[brick]; }
+  [[nodiscard]] std::size_t capacity() const { return bricks_.size(); }  ///< indices are below this
+  [[nodiscard]] std::size_t size() const { return index_.size(); }
+
+ private:
+  std::unordered_map<BrickCoord, std::uint32_t, BrickCoordHash> index_;
+  std::vector<std::unique_ptr<WorkBrick>> bricks_;
+  std::vector<std::uint32_t> free_;
+};
+
+}  // namespace sonoloft

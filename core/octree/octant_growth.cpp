@@ -1,0 +1,125 @@
+#include "core/octree/octant_growth.h"
+
+#include <utility>
+
+#include "core/slice/parallel.h"
+
+namespace sonoloft {
+
+/// The samples of the octant lie in its brick and, on its upper sides, in the bricks above.
+void OctantGrowth::disturb(Octant octant) {
+  const BrickCoord b = octant.brick();
+  const int upper = octant.index();
+  for (int i = 0; i < 8; ++i)
+    if ((upper & i) == i) disturbed_.add(bricks_.find_or_add({b.x + (i & 1), b.y + ((i >> 1) & 1), b.z + (i >> 2)}));
+}
+
+void OctantGrowth::activate(Octant octant) {
+  WorkBrick& brick = bricks_[bricks_.find_or_add(octant.brick())];
+  if ((brick.active & octant.bit()) != 0) return;
+  brick.active |= octant.bit();
+  disturb(octant);
+}
+
+IndexSet OctantGrowth::take_disturbed() {
+  return std::exchange(disturbed_, {});
+}
+
+SampleMask OctantGrowth::needed(const WorkBrick& brick) const {
+  SampleMask mask;
+  for (int i = 0; i < 8; ++i) {
+    const std::uint32_t index =
+        bricks_.find({brick.coord.x - (i & 1), brick.coord.y - ((i >> 1) & 1), brick.coord.z - (i >> 2)});
+    if (index == kNoBrick) continue;
+    for (int octant = 0; octant < 8; ++octant) {
+      // Of the bricks below only the octants next to this one reach here.
+      if ((bricks_[index].active >> octant & 1) == 0 || (octant & i) != i) continue;
+      const auto at = [&](int axis) { return (i >> axis & 1) != 0 ? -1 : octant >> axis & 1; };
+      mask = mask | corners_of_octant(at(0), at(1), at(2));
+    }
+  }
+  return mask;
+}
+
+void OctantGrowth::refresh_faces(WorkBrick& brick) const {
+  std::array<Label, 729> labels;
+  for (int i = 0; i < 8; ++i) {
+    const std::uint32_t from =
+        bricks_.find({brick.coord.x + (i & 1), brick.coord.y + ((i >> 1) & 1), brick.coord.z + (i >> 2)});
+    // Of the bricks above only the lowest layer is wanted.
+    const auto first = [&](int axis) { return (i >> axis & 1) != 0 ? kBrickSize : 0; };
+    const auto last = [&](int axis) { return (i >> axis & 1) != 0 ? kBrickSize : kBrickSize - 1; };
+    for (int z = first(2); z <= last(2); ++z)
+      for (int y = first(1); y <= last(1); ++y)
+        for (int x = first(0); x <= last(0); ++x)
+          labels[static_cast<std::size_t>(x + 9 * (y + 9 * z))] =
+              from == kNoBrick ? kNotSampled
+                               : bricks_[from].label[static_cast<std::size_t>(sample_index(x & 7, y & 7, z & 7))];
+  }
+  brick.mixed_faces = mixed_faces(labels);
+}
+
+void OctantGrowth::follow(const std::vector<std::uint32_t>& resampled, int threads) {
+  IndexSet bricks;
+  for (const std::uint32_t index : resampled) {
+    const BrickCoord c = bricks_[index].coord;
+    for (int i = 0; i < 8; ++i) {
+      const std::uint32_t below = bricks_.find({c.x - (i & 1), c.y - ((i >> 1) & 1), c.z - (i >> 2)});
+      if (below != kNoBrick && bricks_[below].active != 0) bricks.add(below);
+    }
+  }
+  const auto& items = bricks.items();
+  parallel_for(items.size(), 32, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t n = first; n < last; ++n) refresh_faces(bricks_[items[n]]);
+  });
+  std::vector<Octant> behind;  // activated when all are known: the faces of octants without samples mean nothing
+  for (const std::uint32_t index : items) {
+    faces_changed_.add(index);
+    const WorkBrick& brick = bricks_[index];
+    for (int octant = 0; octant < 8; ++octant)
+      for (int face = 0; face < 6; ++face)
+        if ((brick.active >> octant & 1) != 0 && (brick.mixed_faces[static_cast<std::size_t>(octant)] >> face & 1) != 0)
+          behind.push_back(Octant::of(brick.coord, octant).neighbour(face));
+  }
+  for (const Octant octant : behind) activate(octant);
+}
+
+/// The active octants that mixed faces join to `start`, as far as the nearest contour.
+std::vector<Octant> OctantGrowth::chain(Octant start, bool& reaches_contour) const {
+  std::vector<Octant> found{start};
+  std::unordered_set<Octant, OctantHash> visited{start};
+  reaches_contour = false;
+  for (std::size_t n = 0; n < found.size() && !reaches_contour; ++n) {
+    const Octant octant = found[n];
+    const WorkBrick& brick = bricks_[bricks_.find(octant.brick())];
+    reaches_contour = (brick.seeds & octant.bit()) != 0 || joined_.contains(octant);
+    for (int face = 0; face < 6; ++face)
+      if ((brick.mixed_faces[static_cast<std::size_t>(octant.index())] >> face & 1) != 0 &&
+          visited.insert(octant.neighbour(face)).second)
+        found.push_back(octant.neighbour(face));
+  }
+  return found;
+}
+
+void OctantGrowth::prune() {
+  // A chain that broke has a face that changed on either side of the break, so every loose piece is met here.
+  for (const std::uint32_t index : faces_changed_.items())
+    for (int i = 0; i < 8; ++i) {
+      const Octant start = Octant::of(bricks_[index].coord, i);
+      if ((bricks_[index].active & start.bit()) == 0 || (bricks_[index].seeds & start.bit()) != 0 ||
+          joined_.contains(start))
+        continue;
+      bool reaches_contour = false;
+      const std::vector<Octant> found = chain(start, reaches_contour);
+      if (reaches_contour) {
+        joined_.insert(found.begin(), found.end());
+        continue;
+      }
+      for (const Octant& octant : found) {
+        bricks_[bricks_.find(octant.brick())].active &= static_cast<std::uint8_t>(~octant.bit());
+        disturb(octant);
+      }
+    }
+}
+
+}  // namespace sonoloft

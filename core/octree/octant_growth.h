@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+#include <unordered_set>
+#include <vector>
+
+#include "core/octree/brick_pool.h"
+#include "core/octree/index_set.h"
+#include "core/octree/octants.h"
+
+namespace sonoloft {
+
+/// Which octants of a pool are active: those that a contour runs through, and those that a chain of mixed faces joins
+/// to one of them. Nothing else, so that the active set is a function of the seeds and the samples. Lives for one
+/// update.
+class OctantGrowth {
+ public:
+  explicit OctantGrowth(BrickPool& bricks) : bricks_(bricks) {}
+
+  void activate(Octant octant);
+  /// Bricks whose set of needed samples may have changed since the last call.
+  [[nodiscard]] IndexSet take_disturbed();
+  /// The samples of a brick that are corners of active octants, its own and those of the bricks below.
+  [[nodiscard]] SampleMask needed(const WorkBrick& brick) const;
+
+  /// Samples of these bricks are new: switches on the octants behind faces that became mixed.
+  void follow(const std::vector<std::uint32_t>& resampled, int threads);
+  /// At the end: switches off the octants that lost their last chain to a contour.
+  void prune();
+
+ private:
+  void disturb(Octant octant);
+  void refresh_faces(WorkBrick& brick) const;
+  [[nodiscard]] std::vector<Octant> chain(Octant start, bool& reaches_contour) const;
+
+  BrickPool& bricks_;
+  IndexSet disturbed_;
+  IndexSet faces_changed_;  ///< bricks whose mixed faces may have changed in this update
+  std::unordered_set<Octant, OctantHash> joined_;
+};
+
+}  // namespace sonoloft

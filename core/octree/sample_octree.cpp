@@ -1,0 +1,218 @@
+#include "core/octree/sample_octree.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/octree/brick_pool.h"
+#include "core/octree/index_set.h"
+#include "core/octree/octant_growth.h"
+#include "core/octree/sampling_round.h"
+#include "core/octree/smoothing.h"
+#include "core/slice/parallel.h"
+
+namespace sonoloft {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// What is seen of a label in space: what was not measured counts as outside.
+Label seen(Label label) {
+  return label == kUnknown ? kOutside : label;
+}
+
+}  // namespace
+
+struct SampleOctree::State {
+  Eigen::Vector3d origin_mm;
+  double spacing_mm = 0;
+  BrickPool bricks;
+  std::vector<std::vector<std::uint32_t>> bricks_of_cell;  ///< [cell] bricks that may have samples in it
+  std::size_t samples = 0;
+  IndexSet changed_cells;         ///< noted since the last update
+  std::vector<Octant> new_seeds;  ///< noted since the last update
+
+  void seed_contour(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+  [[nodiscard]] std::vector<SampleJob> stale_jobs();
+  void add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs) const;
+  void drop_unneeded(OctantGrowth& growth, IndexSet& touched);
+  [[nodiscard]] std::vector<BrickCoord> smooth(const IndexSet& touched, int threads, std::size_t& smoothed);
+};
+
+SampleOctree::SampleOctree(const Eigen::Vector3d& origin_mm, double spacing_mm) : state_(std::make_unique<State>()) {
+  state_->origin_mm = origin_mm;
+  state_->spacing_mm = spacing_mm;
+}
+SampleOctree::~SampleOctree() = default;
+SampleOctree::SampleOctree(SampleOctree&&) noexcept = default;
+SampleOctree& SampleOctree::operator=(SampleOctree&&) noexcept = default;
+
+/// Walks in steps of half an octant: one that is only grazed is found from its neighbours.
+void SampleOctree::State::seed_contour(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const double size = spacing_mm * kOctantCells;
+  const int steps = std::max(1, static_cast<int>(std::ceil((b - a).norm() / (0.5 * size))));
+  for (int i = 0; i <= steps; ++i) {
+    const Eigen::Vector3d at = ((a + (b - a) * (static_cast<double>(i) / steps) - origin_mm) / size).array().floor();
+    const Octant octant{static_cast<std::int32_t>(at.x()), static_cast<std::int32_t>(at.y()),
+                        static_cast<std::int32_t>(at.z())};
+    WorkBrick& brick = bricks[bricks.find_or_add(octant.brick())];
+    if ((brick.seeds & octant.bit()) != 0) continue;
+    brick.seeds |= octant.bit();
+    new_seeds.push_back(octant);
+  }
+}
+
+void SampleOctree::note(const CellComplex& cells, const CellComplex::Delta& delta) {
+  std::vector<CellFace> faces;
+  for (const CellId cell : delta.lower) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
+  for (const CellId cell : delta.upper) {
+    cells.faces(cell, faces);
+    for (const CellFace& face : faces) {
+      if (face.plane != delta.plane) continue;
+      const auto lift = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
+        return *face.image_to_reference * Eigen::Vector3d(p.x(), p.y(), 0.0);
+      };
+      for (const FaceEdge& e : *face.polygon)
+        if (e.right != kBeyondFace && seen(e.left) != seen(e.right)) state_->seed_contour(lift(e.a), lift(e.b));
+    }
+  }
+}
+
+/// Samples whose cell was cut since they were taken.
+std::vector<SampleJob> SampleOctree::State::stale_jobs() {
+  std::vector<SampleJob> jobs;
+  IndexSet seen_bricks;
+  for (const std::uint32_t cell : changed_cells.items()) {
+    if (cell >= bricks_of_cell.size()) continue;
+    for (const std::uint32_t index : bricks_of_cell[cell]) {
+      if (!seen_bricks.add(index)) continue;
+      SampleJob job{index, {}};
+      const WorkBrick& brick = bricks[index];
+      brick.sampled.for_each([&](int i) {
+        if (changed_cells.contains(brick.cell[static_cast<std::size_t>(i)])) job.samples.set(i);
+      });
+      if (job.samples.any()) jobs.push_back(job);
+    }
+    bricks_of_cell[cell].clear();
+  }
+  return jobs;
+}
+
+/// Adds the samples that active octants still lack.
+void SampleOctree::State::add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs) const {
+  IndexSet disturbed = growth.take_disturbed();
+  const auto missing = [&](std::uint32_t index) { return growth.needed(bricks[index]) - bricks[index].sampled; };
+  IndexSet queued;
+  for (SampleJob& job : jobs) {
+    queued.add(job.brick);
+    if (disturbed.contains(job.brick)) job.samples = job.samples | missing(job.brick);
+  }
+  for (const std::uint32_t index : disturbed.items())
+    if (const SampleMask lacking = missing(index); !queued.contains(index) && lacking.any())
+      jobs.push_back({index, lacking});
+}
+
+/// Forgets samples that pruning left without an active octant, and bricks without samples.
+void SampleOctree::State::drop_unneeded(OctantGrowth& growth, IndexSet& touched) {
+  const IndexSet disturbed = growth.take_disturbed();
+  for (const std::uint32_t index : disturbed.items()) {
+    WorkBrick& brick = bricks[index];
+    const SampleMask unneeded = brick.sampled - growth.needed(brick);
+    if (unneeded.any()) touched.add(index);
+    unneeded.for_each([&](int i) {
+      brick.sampled.reset(i);
+      brick.pinned.reset(i);
+      brick.label[static_cast<std::size_t>(i)] = kNotSampled;
+      brick.cell[static_cast<std::size_t>(i)] = kNoCell;
+    });
+    samples -= static_cast<std::size_t>(unneeded.count());
+  }
+}
+
+/// Smooths what changed and what smoothing carries the change into.
+/// @return bricks whose smoothed samples changed or vanished, ascending
+std::vector<BrickCoord> SampleOctree::State::smooth(const IndexSet& touched, int threads, std::size_t& smoothed) {
+  IndexSet reached;
+  for (const std::uint32_t index : touched.items()) {
+    const BrickCoord c = bricks[index].coord;
+    for (int i = 0; i < 27; ++i) {
+      const std::uint32_t near = bricks.find({c.x + i % 3 - 1, c.y + i / 3 % 3 - 1, c.z + i / 9 - 1});
+      if (near != kNoBrick) reached.add(near);
+    }
+  }
+  const auto& items = reached.items();
+  std::vector<std::uint8_t> changed(items.size());
+  parallel_for(items.size(), 8, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t n = first; n < last; ++n) changed[n] = smooth_brick(bricks, bricks[items[n]]) ? 1 : 0;
+  });
+  smoothed = items.size();
+  std::vector<BrickCoord> result;
+  for (std::size_t n = 0; n < items.size(); ++n) {
+    const WorkBrick& brick = bricks[items[n]];
+    if (changed[n] != 0) result.push_back(brick.coord);
+    if (!brick.sampled.any() && brick.seeds == 0) bricks.remove(items[n]);
+  }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, FieldEvaluator& evaluator, int threads) {
+  State& s = *state_;
+  const auto start = Clock::now();
+  s.bricks_of_cell.resize(cells.cell_count());
+  Sampler sampler(cells, evaluator, s.origin_mm, s.spacing_mm, threads);
+  OctantGrowth growth(s.bricks);
+  IndexSet touched;
+  std::vector<SampleJob> jobs = s.stale_jobs();
+  for (const Octant octant : s.new_seeds) growth.activate(octant);
+  for (s.add_missing(growth, jobs); !jobs.empty(); s.add_missing(growth, jobs)) {
+    for (const SampleJob& job : jobs)
+      s.samples += static_cast<std::size_t>((job.samples - s.bricks[job.brick].sampled).count());
+    const auto found = sampler.take(s.bricks, jobs);
+    if (!found) return tl::unexpected<Error>(found.error());
+    std::vector<std::uint32_t> resampled;
+    for (std::size_t j = 0; j < jobs.size(); ++j) {
+      for (const std::uint32_t cell : (*found)[j]) s.bricks_of_cell[cell].push_back(jobs[j].brick);
+      resampled.push_back(jobs[j].brick);
+      touched.add(jobs[j].brick);
+    }
+    jobs.clear();
+    growth.follow(resampled, threads);
+  }
+  growth.prune();
+  s.drop_unneeded(growth, touched);
+  s.changed_cells.clear();
+  s.new_seeds.clear();
+
+  Change change;
+  change.evaluated = sampler.evaluated();
+  change.field_ms = sampler.field_ms();
+  change.octree_ms = ms_since(start) - change.field_ms;
+  const auto smoothing = Clock::now();
+  change.bricks = s.smooth(touched, threads, change.smoothed_bricks);
+  change.smooth_ms = ms_since(smoothing);
+  return change;
+}
+
+const Brick* SampleOctree::find(BrickCoord coord) const {
+  const std::uint32_t index = state_->bricks.find(coord);
+  return index == kNoBrick || !state_->bricks[index].sampled.any() ? nullptr : &state_->bricks[index].smooth;
+}
+
+Eigen::Vector3d SampleOctree::origin_mm() const {
+  return state_->origin_mm;
+}
+double SampleOctree::spacing_mm() const {
+  return state_->spacing_mm;
+}
+std::size_t SampleOctree::sample_count() const {
+  return state_->samples;
+}
+std::size_t SampleOctree::brick_count() const {
+  return state_->bricks.size();
+}
+
+}  // namespace sonoloft

@@ -1,0 +1,57 @@
+#pragma once
+// Stage 3 of 5:  cells -> field -> [OCTREE] -> mesh -> callback
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/cells/cell_complex.h"
+#include "core/field/field_evaluator.h"
+#include "core/octree/brick.h"
+#include "core/slice/result.h"
+
+namespace sonoloft {
+
+/// Samples of the field, only near its zero set and only renewed where cells changed: a sparse lattice of bricks of two
+/// levels of octants under an unbounded grid. Octants are sampled that a contour runs through, and from these on every
+/// octant behind a face with more than one label, until the surfaces are closed.
+/// What is sampled, and its smoothed values, depend on the cells and on the walls noted, not on when update() was
+/// called. Frame: reference, mm. Threads: one writer; const members may run together, but not during update(). Source:
+/// Bermano, Vaxman, Gotsman 2011, sections 4.5 (octree) and 4.6 (smoothing).
+class SampleOctree final : public SampleLattice {
+ public:
+  /// What one update() did.
+  struct Change {
+    std::vector<BrickCoord> bricks;  ///< whose smoothed samples changed, appeared or vanished; ascending
+    std::size_t evaluated = 0;       ///< samples taken from the field, those in constant cells among them
+    std::size_t smoothed_bricks = 0;
+    double field_ms = 0, octree_ms = 0, smooth_ms = 0;
+  };
+
+  /// @param spacing_mm  edge of a finest cell
+  SampleOctree(const Eigen::Vector3d& origin_mm, double spacing_mm);
+  ~SampleOctree() override;
+  SampleOctree(SampleOctree&&) noexcept;
+  SampleOctree& operator=(SampleOctree&&) noexcept;
+
+  /// Takes note of an insertion: call it right after every CellComplex::insert(), before the next.
+  /// @cost O(length of the new contours / spacing)
+  void note(const CellComplex& cells, const CellComplex::Delta& delta);
+
+  /// Samples what the insertions noted since the last update() made necessary.
+  /// @error what the evaluator returned; the samples are then unusable
+  /// @cost  O(samples in changed cells and in octants switched on or off)
+  [[nodiscard]] Result<Change> update(const CellComplex& cells, FieldEvaluator& evaluator, int threads);
+
+  [[nodiscard]] const Brick* find(BrickCoord coord) const override;
+  [[nodiscard]] Eigen::Vector3d origin_mm() const override;
+  [[nodiscard]] double spacing_mm() const override;
+  [[nodiscard]] std::size_t sample_count() const;
+  [[nodiscard]] std::size_t brick_count() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sonoloft

@@ -1,0 +1,92 @@
+#pragma once
+// slice -> cells -> field -> octree -> mesh -> callback: all five stages, joined
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/field/device_choice.h"
+#include "core/mesh/mesh.h"
+#include "core/slice/result.h"
+#include "core/slice/tracked_slice.h"
+
+namespace sonoloft {
+
+struct ReconstructorOptions {
+  Eigen::AlignedBox3d box;  ///< the space of the scan, reference, mm; its walls are outside of every object, so
+                            ///< keep it about one object larger than the object on every side
+  double spacing_mm = 0;    ///< edge of a finest cell: what is finer than this is not drawn; > 0
+  DeviceChoice device = DeviceChoice::automatic;
+  int threads = 1;                                   ///< >= 1; results do not depend on it
+  std::function<void(const std::string& line)> log;  ///< one line on the chosen device; may be empty
+};
+
+/// Box and spacing for recorded slices: the box of all contours, widened by its longest side on every side, and a
+/// spacing of 1.1 longest sides / 2^depth.
+/// @pre  2 <= depth <= 12
+/// @error empty_input (no contour in any slice)
+[[nodiscard]] Result<ReconstructorOptions> options_for(std::span<const TrackedSlice> slices, int depth);
+
+/// What became of one slice.
+enum class SliceOutcome : std::uint8_t {
+  inserted,  ///< it cut cells
+  merged,    ///< it lies in the plane of an earlier slice, or nearer to it than a quarter of the spacing: that one is
+             ///< kept
+};
+
+struct InsertReport {
+  SliceOutcome outcome = SliceOutcome::inserted;
+  std::uint32_t cells_reached = 0;
+  std::uint32_t cells_cut = 0;
+  std::uint32_t repaired_crossings = 0;  ///< of contours
+  double cells_ms = 0;
+};
+
+/// What one update() did.
+struct UpdateReport {
+  std::vector<BrickCoord> changed_chunks;  ///< chunks that changed, appeared or vanished; ascending
+  std::size_t samples_evaluated = 0;
+  std::size_t bricks_smoothed = 0;
+  std::size_t chunks_rebuilt = 0;
+  double field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;
+};
+
+/// Size of the reconstruction now.
+struct ReconstructorCounts {
+  std::size_t cells = 0, faces = 0, edges = 0;  ///< convex cells, walls, label borders and outline pieces on them
+  std::size_t samples = 0, leaves = 0, triangles = 0;
+};
+
+/// Slices in, closed multi-label surfaces out, each slice at the cost of what it changes. Frame: reference, mm.
+/// The mesh depends on the slices and their order, not on how many were added between two updates nor on the number of
+/// threads: to the last byte.
+/// Threads: one writer; const members may run together, but not during add() or update().
+class Reconstructor {
+ public:
+  /// @error invalid_argument, no_opencl_device, opencl_failed
+  [[nodiscard]] static Result<Reconstructor> create(const ReconstructorOptions& options);
+  ~Reconstructor();
+  Reconstructor(Reconstructor&&) noexcept;
+  Reconstructor& operator=(Reconstructor&&) noexcept;
+
+  /// Cuts the cells. The mesh follows with the next update().
+  /// @error those of make_section(), outside_box, cell_limit: nothing has changed
+  [[nodiscard]] Result<InsertReport> add(const TrackedSlice& slice);
+
+  /// Brings the mesh up to date with all slices added. @error opencl_failed
+  [[nodiscard]] Result<UpdateReport> update();
+
+  [[nodiscard]] MeshSnapshot mesh() const;  ///< as of the last update(). O(chunks)
+  [[nodiscard]] ReconstructorCounts counts() const;
+  [[nodiscard]] std::string device_name() const;
+
+ private:
+  struct State;
+  explicit Reconstructor(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sonoloft

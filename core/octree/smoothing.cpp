@@ -76,18 +76,17 @@ float laplacian(const std::array<float, kBlock>& f, int at) {
   return sum / 6.0f - f[static_cast<std::size_t>(at)];
 }
 
-/// The samples with all six neighbours, one step outside of the brick at most: where L f is defined.
+/// The samples, one step outside of the brick at most, whose eight finest cells are sampled. Only these may change: an
+/// edge that a change makes mixed then has its four cells.
 void find_inner(const std::array<bool, kBlock>& sampled, std::array<bool, kBlock>& inner) {
-  inner.fill(false);
-  for (int z = -1; z <= kBrickSize; ++z)
-    for (int y = -1; y <= kBrickSize; ++y)
-      for (int x = -1; x <= kBrickSize; ++x) {
-        const int at = block_index(x, y, z);
-        bool all = sampled[static_cast<std::size_t>(at)];
-        for (const int step : kStep)
-          all = all && sampled[static_cast<std::size_t>(at - step)] && sampled[static_cast<std::size_t>(at + step)];
-        inner[static_cast<std::size_t>(at)] = all;
-      }
+  inner = sampled;
+  for (const int step : kStep) {
+    const std::array<bool, kBlock> before = inner;
+    for (int at = step; at < kBlock - step; ++at)
+      inner[static_cast<std::size_t>(at)] = before[static_cast<std::size_t>(at)] &&
+                                            before[static_cast<std::size_t>(at - step)] &&
+                                            before[static_cast<std::size_t>(at + step)];
+  }
 }
 
 }  // namespace
@@ -110,7 +109,7 @@ bool smooth_brick(const BrickPool& bricks, WorkBrick& brick) {
   std::array<float, kBlock> lf;
   for (std::size_t row = 0; row < result.palette.size(); ++row) {
     around.gather_share(result.palette[row], f);
-    for (int at = kStep[2]; at < kBlock - kStep[2]; ++at)
+    for (int at = kStep[2]; at < kBlock - kStep[2]; ++at)  // of the outermost layer nothing is used
       lf[static_cast<std::size_t>(at)] = inner[static_cast<std::size_t>(at)] ? laplacian(f, at) : 0.0f;
     float* out = result.share.data() + row * kBrickSamples;
     for (int i = 0; i < kBrickSamples; ++i) {

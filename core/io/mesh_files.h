@@ -1,0 +1,42 @@
+#pragma once
+// Meshes in and out of files:  core/mesh -> [IO] -> file
+#include <array>
+#include <cstdint>
+#include <filesystem>
+
+#include "core/mesh/mesh.h"
+#include "core/slice/label.h"
+#include "core/slice/result.h"
+
+namespace sonoloft {
+
+// Every writer: coordinates are written as they are, mm, and tagged SPACE=LPS; the file is replaced.
+// @pre   mesh.label_front.size() == mesh.label_back.size() == mesh.triangles.size(), indices in range
+// @error io_failed: the file is incomplete
+// @cost  O(bytes), one buffer of the size of the file
+
+/// Binary little-endian PLY: vertex float x y z; face list uchar int vertex_indices, ushort label_front label_back,
+/// uchar red green blue (the palette's colour of the label behind, or of the one in front where outside is behind).
+[[nodiscard]] Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path);
+
+/// Wavefront OBJ, one group `front_F_back_B` for each pair of labels, with all digits of the floats.
+[[nodiscard]] Result<void> write_obj(const IndexedMesh& mesh, const std::filesystem::path& path);
+
+/// Binary STL; the format has no labels.
+[[nodiscard]] Result<void> write_stl(const IndexedMesh& mesh, const std::filesystem::path& path);
+
+/// VTK XML PolyData, appended base64. Cell data `BoundaryLabels`, 2 components as vtkSurfaceNets3D has them: the normal
+/// points from the first to the second and outside is never the first (such triangles are turned around).
+[[nodiscard]] Result<void> write_vtp(const IndexedMesh& mesh, const std::filesystem::path& path);
+
+/// Reads a mesh by the file's ending: .ply (ascii, binary of either byte order), .stl (ascii, binary), .obj, .off.
+/// Polygons are cut into fans, triangles that use a vertex twice are dropped, equal positions of an STL are joined.
+/// Labels are those that write_ply and write_obj wrote, else front 0, back 1.
+/// @error file_not_found, io_failed, unsupported_format, parse_failed (with the line in text), non_finite, too_large
+/// @cost  O(bytes); allocates nothing on the word of a declared count
+[[nodiscard]] Result<IndexedMesh> read_mesh(const std::filesystem::path& path);
+
+/// The colour of a label wherever one is shown: far apart for neighbouring numbers; the same for ever. Red, green, blue.
+[[nodiscard]] std::array<std::uint8_t, 3> label_colour(Label label);
+
+}  // namespace sonoloft

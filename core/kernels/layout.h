@@ -1,0 +1,59 @@
+#pragma once
+// What the host packs and the kernels read: included by C++ and, as text, by OpenCL. All 4-byte members, no padding.
+#ifdef __OPENCL_VERSION__
+typedef uint u32;
+#else
+#include <cstdint>
+#include <type_traits>
+namespace sonoloft::kernels {
+using u32 = std::uint32_t;
+#endif
+
+/// Points evaluated together: points of a block are padded to a multiple of this.
+#define SONOLOFT_LANES 16
+/// PackedRun::right of the pieces of an outline, which border on no label of the face.
+#define SONOLOFT_NO_SLOT 0xFFFFFFFFu
+/// Points are held this far off the walls, in units of the cell's size: on a wall the field has no value, beside it
+/// has.
+#define SONOLOFT_MIN_HEIGHT 1e-6f
+
+/// A directed edge of a face in units of the cell's size; origin: the foot of the cell's centre on the plane.
+typedef struct PackedEdge {
+  float x, y;              ///< start
+  float along_x, along_y;  ///< end - start
+  float length2;           ///< |end - start|^2, > 0
+} PackedEdge;
+
+/// The edges [first_edge, first_edge + edge_count) of one face with the same labels beside them.
+typedef struct PackedRun {
+  u32 first_edge, edge_count;
+  u32 left, right;  ///< slots; right may be SONOLOFT_NO_SLOT
+} PackedRun;
+
+/// A face: maps a point relative to the cell's centre (mm) to its foot and height in units of the cell's size.
+typedef struct PackedFace {
+  float ux, uy, uz;
+  float vx, vy, vz;
+  float nx, ny, nz, height;  ///< (nx, ny, nz) points into the cell; height is that of the centre
+  u32 first_run, run_count;
+} PackedFace;
+
+typedef struct PackedCell {
+  u32 first_face, face_count;
+  u32 slot_count;
+  u32 first_label;
+} PackedCell;
+
+/// SONOLOFT_LANES points of one cell; the share of slot s of lane i goes to share[first_share + s * stride + i].
+typedef struct PackedTask {
+  u32 cell;
+  u32 first_point;
+  u32 first_share, stride;
+} PackedTask;
+
+#ifndef __OPENCL_VERSION__
+static_assert(sizeof(PackedEdge) == 20 && sizeof(PackedRun) == 16 && sizeof(PackedFace) == 48);
+static_assert(sizeof(PackedCell) == 16 && sizeof(PackedTask) == 16);
+static_assert(std::is_trivially_copyable_v<PackedFace>);
+}  // namespace sonoloft::kernels
+#endif

@@ -1,0 +1,149 @@
+#include "core/mesh/brick_net.h"
+
+#include <cstring>
+#include <utility>
+
+#include "core/mesh/cell_vertex.h"
+
+namespace sonoloft {
+namespace {
+
+/// Per point of a block: 1 where the cell above it has all corners sampled and not all of one label.
+using MixedFlags = std::array<std::uint8_t, SampleBlock::kPoints>;
+
+void find_mixed_cells(const std::array<Label, SampleBlock::kPoints>& labels, MixedFlags& mixed) {
+  constexpr int kCells = SampleBlock::kPoints - SampleBlock::kCorner[7];
+  const Label* label = labels.data();
+  for (int i = 0; i < kCells;
+       ++i) {  // vectorises; the cells that stick out of the block cost less than leaving them out
+    bool differs = false;
+    bool sampled = label[i] != kNotSampled;
+    for (const int corner : SampleBlock::kCorner) {
+      differs |= label[i + corner] != label[i];
+      sampled &= label[i + corner] != kNotSampled;
+    }
+    mixed[static_cast<std::size_t>(i)] = differs & sampled;
+  }
+}
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+/// Fills `out` with the cells of a block.
+class CellReader {
+ public:
+  CellReader(SampleBlock& block, BrickCells& out) : block_(block), out_(out) {}
+
+  void read(LocalPoint at) {
+    const auto id = static_cast<std::uint16_t>(sample_index(at.x, at.y, at.z));
+    block_.cell_labels(at, cell_);
+    for (std::uint16_t axis = 0; axis < 3; ++axis)
+      if (const std::size_t upper = std::size_t{1} << axis; cell_.owner[0] != cell_.owner[upper])
+        out_.edges.push_back({id, axis, cell_.label[cell_.owner[0]], cell_.label[cell_.owner[upper]]});
+    if (is_simple(cell_))
+      add_simple(at, id);
+    else
+      out_.complex_cells.push_back(id);
+  }
+
+ private:
+  void add_simple(LocalPoint at, std::uint16_t id) {
+    block_.cell_shares(at, cell_);
+    const int equations = gaps_of(cell_, gaps_);
+    // Two labels: along the surface. Three: along the line where they meet, or it would shrink. More: a junction,
+    // fixed.
+    const unsigned pull = equations == 0 ? 0 : faces_with_labels(cell_, cell_.label_count);
+    out_.slot[id] = static_cast<std::uint16_t>(out_.simple_cells.size());
+    out_.simple_cells.push_back(id);
+    out_.placed.push_back(place_vertex(cell_, gaps_, equations));
+    out_.pull.push_back(static_cast<std::uint8_t>(pull));
+    out_.equations.push_back(static_cast<std::uint8_t>(equations));
+    for (std::size_t k = 0; k < static_cast<std::size_t>(equations); ++k)
+      out_.gaps.insert(out_.gaps.end(), gaps_[k].begin(), gaps_[k].end());
+  }
+
+  SampleBlock& block_;
+  BrickCells& out_;
+  CellSamples cell_;
+  Gaps gaps_;
+};
+
+}  // namespace
+
+void BrickCells::clear() {
+  slot.assign(kBrickSamples, kNoSlot);
+  simple_cells.clear();
+  complex_cells.clear();
+  edges.clear();
+  placed.clear();
+  pull.clear();
+  equations.clear();
+  gaps.clear();
+}
+
+bool BrickCells::same_as(const BrickCells& other) const {
+  return same_bytes(slot, other.slot) && same_bytes(complex_cells, other.complex_cells) && edges == other.edges &&
+         same_bytes(placed, other.placed) && same_bytes(pull, other.pull) && same_bytes(equations, other.equations) &&
+         same_bytes(gaps, other.gaps);
+}
+
+bool BrickNet::read(ReadScratch& scratch, const SampleLattice& lattice, const BrickCoord& coord) {
+  BrickCells& cells = scratch.cells;
+  cells.clear();
+  if (lattice.find(coord)) {
+    scratch.block.select(lattice, coord);
+    MixedFlags mixed;
+    find_mixed_cells(scratch.block.labels(), mixed);
+    CellReader reader(scratch.block, cells);
+    for (int z = 0; z < kBrickSize; ++z)
+      for (int y = 0; y < kBrickSize; ++y)
+        for (int x = 0; x < kBrickSize; ++x)
+          if (mixed[static_cast<std::size_t>(SampleBlock::index(x, y, z))]) reader.read({x, y, z});
+  }
+  if (cells.same_as(cells_)) return false;
+  cells_ = cells;
+  return true;
+}
+
+bool BrickNet::mean_beside(std::size_t s, const std::array<const BrickNet*, 6>& beside, Eigen::Vector3f& mean) const {
+  const int id = cells_.simple_cells[s];
+  BrickPoint sum{};
+  int count = 0;
+  for (std::size_t face = 0; face < 6; ++face) {
+    if ((cells_.pull[s] >> face & 1) == 0) continue;
+    const std::size_t axis = face / 2;
+    const int at = id >> (3 * axis) & 7, direction = face % 2 ? 1 : -1;
+    const int stride = 1 << (3 * axis);
+    const bool own = at + direction >= 0 && at + direction < kBrickSize;
+    const BrickNet* net = own ? this : beside[face];
+    if (!net) continue;
+    const int other = own ? id + direction * stride : id - direction * stride * (kBrickSize - 1);
+    const CellPoint* p = net->vertex_in(net->cells_.placed, static_cast<std::size_t>(other));
+    if (!p) continue;
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += (*p)[i];
+    sum[axis] += direction * kStep;
+    ++count;
+  }
+  if (count == 0) return false;
+  mean = Eigen::Vector3f(static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])) /
+         static_cast<float>(count * kStep);
+  return true;
+}
+
+bool BrickNet::relax(const std::array<const BrickNet*, 6>& beside) {
+  std::vector<CellPoint> relaxed = cells_.placed;
+  const float* gaps = cells_.gaps.data();
+  for (std::size_t s = 0; s < relaxed.size(); ++s) {
+    const int equations = cells_.equations[s];
+    Eigen::Vector3f mean;
+    if (mean_beside(s, beside, mean)) relaxed[s] = relax_vertex(cells_.placed[s], mean, gaps, equations);
+    gaps += 8 * equations;
+  }
+  const bool same = same_bytes(relaxed, relaxed_);
+  relaxed_ = std::move(relaxed);
+  return !same;
+}
+
+}  // namespace sonoloft

@@ -1,0 +1,140 @@
+#include "core/mesh/cell_vertex.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace sonoloft {
+namespace {
+
+constexpr unsigned kAllCorners = 0xFF;
+constexpr float kEdgeMargin = 0.01F;
+constexpr float kCellMargin = 0.03F;
+constexpr float kRelaxation = 0.8F;
+constexpr float kLongestStep = 0.5F;
+/// Interfaces whose normals span less than this (squared sine) do not say where they meet.
+constexpr float kParallel = 1e-3F;
+
+constexpr std::array<std::array<std::uint8_t, 2>, 12> kEdges = {
+    {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+/// Corners of the faces, in the order of the bits of faces_with_labels().
+constexpr std::array<unsigned, 6> kFaces = {0x55, 0xAA, 0x33, 0xCC, 0x0F, 0xF0};
+
+constexpr bool connected_along_edges(unsigned corners) {
+  unsigned reached = corners & (0u - corners);
+  for (int step = 0; step < 7; ++step)
+    for (unsigned c = 0; c < 8; ++c)
+      if (reached >> c & 1) reached |= corners & (1u << (c ^ 1) | 1u << (c ^ 2) | 1u << (c ^ 4));
+  return reached == corners;
+}
+
+constexpr auto kSimple = [] {
+  std::array<bool, 256> simple{};
+  for (unsigned corners = 0; corners < 256; ++corners)
+    simple[corners] = connected_along_edges(corners) && connected_along_edges(~corners & kAllCorners);
+  return simple;
+}();
+
+/// The trilinear function of 8 corner values and its gradient at p.
+float trilinear(const float* g, const Eigen::Vector3f& p, Eigen::Vector3f& gradient) {
+  const float d00 = g[1] - g[0], d10 = g[3] - g[2], d01 = g[5] - g[4], d11 = g[7] - g[6];
+  const float x00 = g[0] + p.x() * d00, x10 = g[2] + p.x() * d10;
+  const float x01 = g[4] + p.x() * d01, x11 = g[6] + p.x() * d11;
+  const float y0 = x00 + p.y() * (x10 - x00), y1 = x01 + p.y() * (x11 - x01);
+  const float d0 = d00 + p.y() * (d10 - d00), d1 = d01 + p.y() * (d11 - d01);
+  gradient = {d0 + p.z() * (d1 - d0), (x10 - x00) + p.z() * ((x11 - x01) - (x10 - x00)), y1 - y0};
+  return y0 + p.z() * (y1 - y0);
+}
+
+/// The shortest step after which all K linearised gaps vanish; none where they are nearly parallel or not numbers.
+template <int K>
+Eigen::Vector3f newton_step(const float* gaps, const Eigen::Vector3f& p) {
+  Eigen::Matrix<float, 3, K> gradients;
+  Eigen::Matrix<float, K, 1> values;
+  for (int k = 0; k < K; ++k) {
+    Eigen::Vector3f gradient;
+    values[k] = trilinear(gaps + 8 * k, p, gradient);
+    gradients.col(k) = gradient;
+  }
+  const Eigen::Matrix<float, K, K> gram = gradients.transpose() * gradients;
+  if (!(gram.determinant() > kParallel * gram.diagonal().prod())) return Eigen::Vector3f::Zero();
+  Eigen::Vector3f step = -(gradients * (gram.inverse() * values));
+  const float length = step.norm();
+  if (!(length <= kLongestStep)) step *= kLongestStep / length;
+  return step.allFinite() ? step : Eigen::Vector3f::Zero();
+}
+
+Eigen::Vector3f keep_inside(const Eigen::Vector3f& p) {
+  return p.cwiseMax(kCellMargin).cwiseMin(1 - kCellMargin);
+}
+
+CellPoint finish(const Eigen::Vector3f& start, const float* gaps, int equations) {
+  Eigen::Vector3f p = keep_inside(start);
+  if (equations == 1) p += newton_step<1>(gaps, p);
+  if (equations == 2) p += newton_step<2>(gaps, p);
+  p = keep_inside(p);
+  CellPoint fixed;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    fixed[axis] = static_cast<std::uint16_t>(p[static_cast<int>(axis)] * static_cast<float>(kStep) + 0.5F);
+  return fixed;
+}
+
+}  // namespace
+
+bool is_simple(const CellSamples& cell) {
+  return std::all_of(cell.corners.begin(), cell.corners.begin() + cell.label_count,
+                     [](std::uint8_t corners) { return kSimple[corners]; });
+}
+
+unsigned faces_with_labels(const CellSamples& cell, int labels) {
+  unsigned faces = 0;
+  for (std::size_t face = 0; face < 6; ++face) {
+    int touched = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(cell.label_count); ++i)
+      touched += (cell.corners[i] & kFaces[face]) != 0;
+    if (touched >= labels) faces |= 1u << face;
+  }
+  return faces;
+}
+
+float crossing(const CellSamples& cell, unsigned lower, unsigned upper) {
+  const auto& a = cell.share[cell.owner[lower]];
+  const auto& b = cell.share[cell.owner[upper]];
+  const float g0 = a[lower] - b[lower], g1 = a[upper] - b[upper];
+  const float t = g0 / (g0 - g1);
+  if (!(std::abs(t) <= 1e6F)) return 0.5F;  // 0/0, NaN: the samples do not say
+  return std::clamp(t, kEdgeMargin, 1 - kEdgeMargin);
+}
+
+int gaps_of(const CellSamples& cell, Gaps& gaps) {
+  const int equations = cell.label_count - 1;
+  if (equations > kMaxEquations) return 0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(equations); ++k)
+    for (std::size_t c = 0; c < 8; ++c) gaps[k][c] = cell.share[0][c] - cell.share[k + 1][c];
+  return equations;
+}
+
+CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  int crossings = 0;
+  for (std::size_t e = 0; e < kEdges.size(); ++e) {
+    const auto [lower, upper] = kEdges[e];
+    if (cell.owner[lower] == cell.owner[upper]) continue;
+    Eigen::Vector3f p(static_cast<float>(lower & 1), static_cast<float>(lower >> 1 & 1),
+                      static_cast<float>(lower >> 2 & 1));
+    p[static_cast<int>(e / 4)] = crossing(cell, lower, upper);
+    sum += p;
+    ++crossings;
+  }
+  return finish(sum / static_cast<float>(crossings), gaps[0].data(), equations);
+}
+
+CellPoint relax_vertex(const CellPoint& vertex, const Eigen::Vector3f& mean, const float* gaps, int equations) {
+  const Eigen::Vector3f p =
+      Eigen::Vector3f(static_cast<float>(vertex[0]), static_cast<float>(vertex[1]), static_cast<float>(vertex[2])) /
+      static_cast<float>(kStep);
+  return finish(p + kRelaxation * (mean - p), gaps, equations);
+}
+
+}  // namespace sonoloft

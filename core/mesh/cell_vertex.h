@@ -1,0 +1,36 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "core/mesh/sample_block.h"
+
+namespace sonoloft {
+
+/// True if the surface around every label is one disc inside the cell, whatever the other labels are: the corners of
+/// each label, and all the others, are connected along edges of the cube. Then one vertex serves all of them.
+[[nodiscard]] bool is_simple(const CellSamples& cell);
+
+/// Faces of the cell (bit 2 * axis + side) that touch at least `labels` labels.
+[[nodiscard]] unsigned faces_with_labels(const CellSamples& cell, int labels);
+
+/// Where the labels of two corners that differ are equally strong on the line between them: 0 at `lower`, 1 at `upper`,
+/// kept 0.01 inside, since no two simplices may share a node; the middle where the samples do not say. Depends on the
+/// samples of these two corners alone, so that every cell with this line finds the same bits.
+[[nodiscard]] float crossing(const CellSamples& cell, unsigned lower, unsigned upper);
+
+/// A vertex is moved towards the places where all gaps f_0 - f_k are zero, k = 1..equations, at most 2.
+inline constexpr int kMaxEquations = 2;
+using Gaps = std::array<std::array<float, 8>, kMaxEquations>;  ///< [equation][corner]
+
+/// The equations of a simple cell: labels - 1 of them, or none if that is too many (the vertex then stays in the mean
+/// of its crossings).
+[[nodiscard]] int gaps_of(const CellSamples& cell, Gaps& gaps);
+
+/// Mean of the crossings on the edges, then one Newton step.
+[[nodiscard]] CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations);
+
+/// Moves 0.8 of the way to `mean` (relative to the cell, in lattice steps), then one Newton step.
+[[nodiscard]] CellPoint relax_vertex(const CellPoint& vertex, const Eigen::Vector3f& mean, const float* gaps,
+                                     int equations);
+
+}  // namespace sonoloft

@@ -371,16 +371,16 @@ CellId CellComplex::locate(const Eigen::Vector3d& point) const {
 }
 
 void CellComplex::locate(const Eigen::AlignedBox3d& bounds, std::span<const Eigen::Vector3d> points,
-                         std::span<CellId> out) const {
-  assert(points.size() == out.size());
+                         std::vector<std::uint32_t>& order, std::vector<CellPoints>& groups) const {
   const Eigen::Vector3d middle = bounds.center();
   const Eigen::Vector3d reach = 0.5 * bounds.sizes() + Eigen::Vector3d::Constant(1e-9 * impl_->scale);
   struct Job {
     std::int32_t node;
     std::uint32_t first, last;
   };
-  std::vector<std::uint32_t> order(points.size());
+  order.resize(points.size());
   std::iota(order.begin(), order.end(), 0u);
+  groups.clear();
   std::vector<Job> stack{{impl_->nodes.empty() ? ~0 : 0, 0, static_cast<std::uint32_t>(points.size())}};
   while (!stack.empty()) {
     Job job = stack.back();
@@ -395,13 +395,14 @@ void CellComplex::locate(const Eigen::AlignedBox3d& bounds, std::span<const Eige
         continue;
       }
       const auto begin = order.begin() + job.first;
-      const auto middle_of = std::partition(begin, order.begin() + job.last,
-                                            [&](std::uint32_t i) { return plane.distance(points[i]) < 0.0; });
-      const auto split_at = job.first + static_cast<std::uint32_t>(middle_of - begin);
+      const auto above = std::partition(begin, order.begin() + job.last,
+                                        [&](std::uint32_t i) { return plane.distance(points[i]) < 0.0; });
+      const auto split_at = job.first + static_cast<std::uint32_t>(above - begin);
       stack.push_back({n.child[1], split_at, job.last});
       job = {n.child[0], job.first, split_at};
     }
-    for (std::uint32_t i = job.first; i < job.last; ++i) out[order[i]] = CellId{static_cast<std::uint32_t>(~job.node)};
+    if (job.first < job.last)
+      groups.push_back({CellId{static_cast<std::uint32_t>(~job.node)}, job.first, job.last - job.first});
   }
 }
 

@@ -25,6 +25,12 @@ struct CellFace {
   const FacePolygon* polygon;  ///< never null; may be empty for a sliver
 };
 
+/// The points that lie in one cell: order[first, first + count) of CellComplex::locate().
+struct CellPoints {
+  CellId cell;
+  std::uint32_t first, count;
+};
+
 /// The convex cells that the planes of the slices inserted so far cut out of a box. The box's walls are labelled
 /// outside. Which vertices lie on which side of a plane is decided exactly (planes are taken as their double
 /// coefficients), so every sequence of planes gives valid polyhedra; coordinates are doubles. Frame: reference, mm.
@@ -68,9 +74,12 @@ class CellComplex {
   /// The cell of a point; a point on a plane belongs to the side the normal points to. Points outside of the box
   /// belong to a cell at the wall. O(depth of the tree)
   [[nodiscard]] CellId locate(const Eigen::Vector3d& point_mm) const;
-  /// The same for many points that lie in `bounds`, which prunes the tree. [#P] each
+  /// The same for many points that lie in `bounds`, which prunes the tree.
+  /// @param order   out, [#P] indices of points_mm, those of one cell together
+  /// @param groups  out, one for each cell with points: where in `order` they are
+  /// @cost  O(#P log #planes); allocates only when the outputs grow
   void locate(const Eigen::AlignedBox3d& bounds, std::span<const Eigen::Vector3d> points_mm,
-              std::span<CellId> out) const;
+              std::vector<std::uint32_t>& order, std::vector<CellPoints>& groups) const;
 
   /// Empty when the complex is sound, else what is wrong: Euler's formula per cell, two faces at every edge, vertices
   /// on the planes of their faces, volumes that add up to the box. O(all); for tests.

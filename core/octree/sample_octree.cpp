@@ -7,7 +7,7 @@
 #include "core/octree/brick_pool.h"
 #include "core/octree/index_set.h"
 #include "core/octree/octant_growth.h"
-#include "core/octree/sampling_round.h"
+#include "core/octree/sampler.h"
 #include "core/octree/smoothing.h"
 #include "core/slice/parallel.h"
 

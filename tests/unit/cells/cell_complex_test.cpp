@@ -98,7 +98,8 @@ TEST_CASE("cells: walls keep each label's area over 30 planes in free orientatio
 TEST_CASE("cells: locating many points agrees with locating one, and the cell contains the point") {
   CellComplex complex(kBox, 0.01);
   std::mt19937 rng(11);
-  for (int i = 0; i < 20; ++i) (void)complex.insert(test::section_of_discs(test::random_frame(rng, 20), {{{0, 0}, 9, 1}}));
+  for (int i = 0; i < 20; ++i)
+    (void)complex.insert(test::section_of_discs(test::random_frame(rng, 20), {{{0, 0}, 9, 1}}));
   std::uniform_real_distribution<double> uniform(-20.0, 20.0);
   std::vector<Eigen::Vector3d> points(5000);
   Eigen::AlignedBox3d bounds;
@@ -106,19 +107,25 @@ TEST_CASE("cells: locating many points agrees with locating one, and the cell co
     p = Eigen::Vector3d(uniform(rng), uniform(rng), uniform(rng));
     bounds.extend(p);
   }
-  std::vector<CellId> found(points.size());
-  complex.locate(bounds, points, found);
+  std::vector<std::uint32_t> order;
+  std::vector<CellPoints> groups;
+  complex.locate(bounds, points, order, groups);
+  std::size_t located = 0;
   std::size_t disagree = 0;
   std::size_t out_of_cell = 0;
   std::vector<CellFace> faces;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    disagree += found[i] != complex.locate(points[i]);
-    complex.faces(found[i], faces);
-    for (const CellFace& face : faces) {
-      const double height = (face.image_to_reference->inverse() * points[i]).z() * (face.above ? 1.0 : -1.0);
-      out_of_cell += height < -1e-9;
+  for (const CellPoints& group : groups) {
+    complex.faces(group.cell, faces);
+    CHECK(group.first == located);
+    located += group.count;
+    for (std::uint32_t i = group.first; i < group.first + group.count; ++i) {
+      const Eigen::Vector3d& p = points[order[i]];
+      disagree += group.cell != complex.locate(p);
+      for (const CellFace& face : faces)
+        out_of_cell += (face.image_to_reference->inverse() * p).z() * (face.above ? 1.0 : -1.0) < -1e-9;
     }
   }
+  CHECK(located == points.size());
   CHECK(disagree == 0);
   CHECK(out_of_cell == 0);
 }

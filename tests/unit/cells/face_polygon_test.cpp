@@ -1,3 +1,5 @@
+#include "core/cells/face_polygon.h"
+
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
@@ -5,7 +7,6 @@
 #include <numbers>
 #include <random>
 
-#include "core/cells/face_polygon.h"
 #include "tests/support/planes.h"
 
 using namespace sonoloft;

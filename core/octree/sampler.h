@@ -31,19 +31,31 @@ class Sampler {
   [[nodiscard]] double field_ms() const { return field_ms_; }
 
  private:
+  /// The samples of one job that lie in one cell, and where their shares are found.
+  struct Group {
+    std::uint32_t job, packed;
+    std::uint32_t first, count;  ///< in Located::index
+    std::uint32_t block, lane;   ///< of the batch; block kNoBlock: the cell is constant
+  };
+  /// The samples of one job, those of one cell together.
+  struct Located {
+    std::vector<std::uint16_t> index;  ///< of the sample in its brick
+    std::vector<Eigen::Vector3d> point_mm;
+    std::vector<CellPoints> cells;
+  };
   /// A slice beside which samples are pinned: normal . x + offset = signed distance, mm.
   struct PinPlane {
     Eigen::Vector3d normal;
     double offset_mm;
   };
-  struct CellWalls {
-    std::uint32_t first_pin, pin_count;
+  struct PinRange {
+    std::uint32_t first, count;
   };
-  void locate(const BrickPool& bricks, const std::vector<SampleJob>& jobs);
-  void pack(const std::vector<std::vector<std::uint32_t>>& found);
+  void locate(const WorkBrick& brick, const SampleMask& samples, Located& out) const;
+  void pack(std::uint32_t cell);
   [[nodiscard]] Result<void> evaluate();
-  void store(WorkBrick& brick, const SampleMask& samples, std::size_t first);
-  [[nodiscard]] bool pinned(std::uint32_t packed, const Eigen::Vector3d& point) const;
+  void store(WorkBrick& brick, const Group& group, const Located& located) const;
+  [[nodiscard]] bool pinned(std::uint32_t packed, const Eigen::Vector3d& point_mm) const;
 
   const CellComplex& cells_;
   FieldEvaluator& evaluator_;
@@ -52,13 +64,12 @@ class Sampler {
   int threads_;
   FieldBatch batch_;
   std::vector<std::uint32_t> packed_of_cell_;  ///< [cell] index in batch_.cells, kNoCell
-  std::vector<CellWalls> walls_;               ///< [packed cell]
+  std::vector<std::uint32_t> cell_of_packed_;
+  std::vector<PinRange> pins_of_packed_;
   std::vector<PinPlane> pins_;
   std::vector<CellFace> faces_;
-  std::vector<std::size_t> first_of_job_;    ///< [#jobs + 1] where its points start
-  std::vector<Eigen::Vector3d> points_;      ///< [#points of the round]
-  std::vector<CellId> cell_;                 ///< [#points]
-  std::vector<std::uint32_t> block_, lane_;  ///< [#points] where the shares are found; block kNoCell: constant cell
+  std::vector<Located> located_;  ///< [#jobs]
+  std::vector<Group> groups_;     ///< by job
   std::size_t evaluated_ = 0;
   double field_ms_ = 0;
 };

@@ -1,0 +1,150 @@
+#include "core/octree/sampler.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "core/slice/parallel.h"
+
+namespace sonoloft {
+namespace {
+
+constexpr std::uint32_t kNoBlock = 0xFFFFFFFF;
+constexpr std::uint32_t kBoxWalls = 6;
+
+}  // namespace
+
+Sampler::Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const Eigen::Vector3d& origin_mm,
+                 double spacing_mm, int threads)
+    : cells_(cells),
+      evaluator_(evaluator),
+      origin_mm_(origin_mm),
+      spacing_mm_(spacing_mm),
+      threads_(threads),
+      packed_of_cell_(cells.cell_count(), kNoCell) {}
+
+Result<std::vector<std::vector<std::uint32_t>>> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs) {
+  located_.resize(jobs.size());
+  parallel_for(jobs.size(), 16, threads_, [&](std::size_t first, std::size_t last) {
+    for (std::size_t j = first; j < last; ++j) locate(bricks[jobs[j].brick], jobs[j].samples, located_[j]);
+  });
+
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<std::vector<std::uint32_t>> found(jobs.size());
+  std::vector<std::size_t> first_group(1, 0);
+  groups_.clear();
+  for (std::uint32_t j = 0; j < jobs.size(); ++j) {
+    for (const CellPoints& points : located_[j].cells) {
+      const auto cell = static_cast<std::uint32_t>(points.cell);
+      found[j].push_back(cell);
+      if (packed_of_cell_[cell] == kNoCell) pack(cell);
+      groups_.push_back({j, packed_of_cell_[cell], points.first, points.count, kNoBlock, 0});
+    }
+    first_group.push_back(groups_.size());
+    evaluated_ += located_[j].index.size();
+  }
+  if (auto done = evaluate(); !done) return tl::unexpected<Error>(done.error());
+  field_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+
+  parallel_for(jobs.size(), 16, threads_, [&](std::size_t first, std::size_t last) {
+    for (std::size_t j = first; j < last; ++j)
+      for (std::size_t g = first_group[j]; g < first_group[j + 1]; ++g)
+        store(bricks[jobs[j].brick], groups_[g], located_[j]);
+  });
+  return found;
+}
+
+void Sampler::locate(const WorkBrick& brick, const SampleMask& samples, Located& out) const {
+  const Eigen::Vector3d base = Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z).cast<double>() * kBrickSize;
+  std::vector<std::uint16_t> index;
+  std::vector<Eigen::Vector3d> points;
+  Eigen::AlignedBox3d bounds;
+  samples.for_each([&](int i) {
+    index.push_back(static_cast<std::uint16_t>(i));
+    points.push_back(origin_mm_ + spacing_mm_ * (base + Eigen::Vector3d(i & 7, (i >> 3) & 7, i >> 6)));
+    bounds.extend(points.back());
+  });
+  std::vector<std::uint32_t> order;
+  cells_.locate(bounds, points, order, out.cells);
+  out.index.resize(order.size());
+  out.point_mm.resize(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    out.index[i] = index[order[i]];
+    out.point_mm[i] = points[order[i]];
+  }
+}
+
+void Sampler::pack(std::uint32_t cell) {
+  cells_.faces(CellId{cell}, faces_);
+  packed_of_cell_[cell] = batch_.cells.add(faces_, cells_.centre(CellId{cell}));
+  cell_of_packed_.push_back(cell);
+  const auto first = static_cast<std::uint32_t>(pins_.size());
+  for (const CellFace& face : faces_) {
+    if (static_cast<std::uint32_t>(face.plane) < kBoxWalls || face.label == kUnknown) continue;
+    const Eigen::Vector3d normal = face.image_to_reference->linear().col(2);
+    pins_.push_back({normal, -normal.dot(face.image_to_reference->translation())});
+  }
+  pins_of_packed_.push_back({first, static_cast<std::uint32_t>(pins_.size()) - first});
+}
+
+/// One block a cell, so that a cell's edges are read once for the points of all bricks.
+Result<void> Sampler::evaluate() {
+  std::vector<std::uint32_t> by_cell(groups_.size());
+  std::iota(by_cell.begin(), by_cell.end(), 0u);
+  std::erase_if(by_cell, [&](std::uint32_t g) { return batch_.cells.constant(groups_[g].packed); });
+  std::stable_sort(by_cell.begin(), by_cell.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return groups_[a].packed < groups_[b].packed; });
+  batch_.clear_points();
+  std::vector<Eigen::Vector3d> points;
+  for (std::size_t first = 0, last = 0; first < by_cell.size(); first = last) {
+    const std::uint32_t packed = groups_[by_cell[first]].packed;
+    points.clear();
+    for (last = first; last < by_cell.size() && groups_[by_cell[last]].packed == packed; ++last) {
+      Group& group = groups_[by_cell[last]];
+      group.lane = static_cast<std::uint32_t>(points.size());
+      const auto begin = located_[group.job].point_mm.begin() + group.first;
+      points.insert(points.end(), begin, begin + group.count);
+    }
+    const std::uint32_t block = batch_.add_points(packed, points);
+    for (std::size_t i = first; i < last; ++i) groups_[by_cell[i]].block = block;
+  }
+  if (batch_.blocks.empty()) return {};
+  return evaluator_.evaluate(batch_);
+}
+
+bool Sampler::pinned(std::uint32_t packed, const Eigen::Vector3d& point) const {
+  const PinRange range = pins_of_packed_[packed];
+  for (std::uint32_t i = range.first; i < range.first + range.count; ++i)
+    if (std::abs(pins_[i].normal.dot(point) + pins_[i].offset_mm) < spacing_mm_) return true;
+  return false;
+}
+
+void Sampler::store(WorkBrick& brick, const Group& group, const Located& located) const {
+  const std::span<const std::uint16_t> index(located.index.data() + group.first, group.count);
+  const std::span<const Eigen::Vector3d> points(located.point_mm.data() + group.first, group.count);
+  const std::span<const Label> labels = batch_.cells.labels(group.packed);
+  const std::uint32_t cell = cell_of_packed_[group.packed];
+  for (std::size_t row = 0; row < brick.shares.palette.size(); ++row)
+    for (const std::uint16_t i : index) brick.shares.share[row * kBrickSamples + i] = 0.0f;
+  std::array<float, kBrickSamples> best;
+  best.fill(-1.0f);
+  for (std::uint32_t slot = 0; slot < labels.size() && labels[slot] != kUnknown; ++slot) {
+    float* row = brick.shares.row(labels[slot]);
+    for (std::size_t k = 0; k < index.size(); ++k) {
+      const float share = group.block == kNoBlock ? 1.0f : batch_.row(group.block, slot)[group.lane + k];
+      row[index[k]] = share;
+      if (share > best[k]) {
+        best[k] = share;
+        brick.label[index[k]] = labels[slot];
+      }
+    }
+  }
+  for (std::size_t k = 0; k < index.size(); ++k) {
+    brick.cell[index[k]] = cell;
+    brick.sampled.set(index[k]);
+    pinned(group.packed, points[k]) ? brick.pinned.set(index[k]) : brick.pinned.reset(index[k]);
+  }
+}
+
+}  // namespace sonoloft

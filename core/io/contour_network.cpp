@@ -18,12 +18,15 @@ struct FileEdge {
   Label left, right;
 };
 
-double cross(const Vector2d& p, const Vector2d& q) { return p.x() * q.y() - p.y() * q.x(); }
+double cross(const Vector2d& p, const Vector2d& q) {
+  return p.x() * q.y() - p.y() * q.x();
+}
 
 /// Exchanges the sides of all edges where they say that the labelled part of the plane has a negative area.
 bool flip_sides(std::vector<FileEdge>& edges, const std::vector<Vector2d>& points) {
   double area = 0;
-  for (const FileEdge& e : edges) area += ((e.left != kOutside) - (e.right != kOutside)) * cross(points[e.from], points[e.to]);
+  for (const FileEdge& e : edges)
+    area += ((e.left != kOutside) - (e.right != kOutside)) * cross(points[e.from], points[e.to]);
   if (area >= 0) return false;
   for (FileEdge& e : edges) std::swap(e.left, e.right);
   return true;
@@ -75,8 +78,8 @@ class LoopTracer {
 
   static std::pair<Label, std::uint32_t> key(const HalfEdge& h) { return {h.label, h.from}; }
 
-  /// The border goes on with the first edge of the label clockwise from the one that it came in on: between the two lies
-  /// the same region. Regions that touch in a vertex so become loops of their own.
+  /// The border goes on with the first edge of the label clockwise from the one that it came in on: between the two
+  /// lies the same region. Regions that touch in a vertex so become loops of their own.
   HalfEdge* next_of(const HalfEdge& in) {
     const std::pair wanted(in.label, in.to);
     const Vector2d back = points_[in.from] - points_[in.to];
@@ -134,7 +137,8 @@ Result<std::vector<FileLoop>> trace_loops(const FilePlane& plane, std::vector<Fi
   notes.flipped_sides += flip_sides(edges, plane.image);
   auto loops = LoopTracer(edges, plane.image).trace();
   if (!loops)
-    return fail(loops.error().code, name + ":" + std::to_string(plane.line) + ": in this plane " + loops.error().message);
+    return fail(loops.error().code,
+                name + ":" + std::to_string(plane.line) + ": in this plane " + loops.error().message);
   const std::size_t dropped = std::erase_if(*loops, [](const FileLoop& loop) { return loop.vertices.size() < 3; });
   notes.dropped_components += static_cast<std::uint32_t>(dropped);
   return loops;

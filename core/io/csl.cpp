@@ -14,8 +14,8 @@ FileLoop read_component(TextScanner& in, std::size_t vertex_count) {
   const std::string_view head = in.word("a component's number of vertices");
   const std::size_t digits = std::min(head.find('h'), head.size());
   loop.hole = digits < head.size();
-  const std::uint64_t count = in.whole_from(head.substr(0, digits), "a component's number of vertices",
-                                            kMaxSlicePoints, ErrorCode::too_large);
+  const std::uint64_t count =
+      in.whole_from(head.substr(0, digits), "a component's number of vertices", kMaxSlicePoints, ErrorCode::too_large);
   if (loop.hole && head.size() > digits + 1)
     (void)in.whole_from(head.substr(digits + 1), "the component around a hole", kMaxSliceContours,
                         ErrorCode::parse_failed);
@@ -55,8 +55,7 @@ Result<SliceFile> parse_csl(std::string_view text, std::string_view name) {
     const std::size_t component_count = in.count("a number of components", kMaxSliceContours, 4);
     plane.normal = in.vector("a plane's normal");
     plane.offset = in.real("a plane's constant");
-    for (std::size_t k = 0; k < vertex_count && !in.failed(); ++k)
-      plane.vertices.push_back(in.vector("a coordinate"));
+    for (std::size_t k = 0; k < vertex_count && !in.failed(); ++k) plane.vertices.push_back(in.vector("a coordinate"));
     auto& plane_loops = loops.emplace_back();
     for (std::size_t k = 0; k < component_count && !in.failed(); ++k) {
       FileLoop loop = read_component(in, vertex_count);

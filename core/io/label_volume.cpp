@@ -78,17 +78,19 @@ Result<Header> parse_header(std::string_view text, const std::string& name) {
     const auto axis_index = static_cast<Eigen::Index>(k);
     header.spacing[axis_index] = number("V" + axis, "1");
     header.origin[axis_index] = number("T" + axis, "0");
-    if (!(dim >= 1) || dim != std::floor(dim) || !(header.spacing[axis_index] > 0) || std::isnan(header.origin[axis_index]))
+    if (!(dim >= 1) || dim != std::floor(dim) || !(header.spacing[axis_index] > 0) ||
+        std::isnan(header.origin[axis_index]))
       return fail(ErrorCode::parse_failed, name + ": the header's " + axis + "DIM, V" + axis + " or T" + axis +
                                                " is missing or no size: mend the header");
     if (dim > kMaxVolumeSide)
-      return fail(ErrorCode::too_large, name + ": over " + std::to_string(kMaxVolumeSide) + " voxels along " + axis +
-                                            ": crop the volume");
+      return fail(ErrorCode::too_large,
+                  name + ": over " + std::to_string(kMaxVolumeSide) + " voxels along " + axis + ": crop the volume");
     header.dims[k] = static_cast<std::uint32_t>(dim);
   }
   const std::string type = value("TYPE", ""), bits = value("PIXSIZE", ""), scalars = value("VDIM", "1");
   if (type != "unsigned fixed" || (!bits.starts_with("8 bit") && !bits.starts_with("16 bit")) || scalars != "1")
-    return fail(ErrorCode::unsupported_format, name + ": voxels are not one unsigned integer of 8 or 16 bits: convert it");
+    return fail(ErrorCode::unsupported_format,
+                name + ": voxels are not one unsigned integer of 8 or 16 bits: convert it");
   header.voxel_bytes = bits.starts_with("8") ? 1 : 2;
   const std::string cpu = value("CPU", "decm");
   header.order = cpu == "sun" || cpu == "sgi" ? std::endian::big : std::endian::little;

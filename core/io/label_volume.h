@@ -13,10 +13,10 @@ namespace sonoloft {
 
 /// A label for every voxel of a box. Frame: the file's, mm.
 struct LabelVolume {
-  std::array<std::uint32_t, 3> dims{};                     ///< voxels along x, y, z
-  Eigen::Vector3d spacing_mm = Eigen::Vector3d::Ones();    ///< between the centres of voxels
-  Eigen::Vector3d origin_mm = Eigen::Vector3d::Zero();     ///< centre of voxel (0, 0, 0)
-  std::vector<Label> labels;                               ///< [z][y][x], x fastest: dims[0] * dims[1] * dims[2]
+  std::array<std::uint32_t, 3> dims{};                   ///< voxels along x, y, z
+  Eigen::Vector3d spacing_mm = Eigen::Vector3d::Ones();  ///< between the centres of voxels
+  Eigen::Vector3d origin_mm = Eigen::Vector3d::Zero();   ///< centre of voxel (0, 0, 0)
+  std::vector<Label> labels;                             ///< [z][y][x], x fastest: dims[0] * dims[1] * dims[2]
 };
 
 inline constexpr std::uint32_t kMaxVolumeSide = 1u << 13;

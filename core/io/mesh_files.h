@@ -36,7 +36,8 @@ namespace sonoloft {
 /// @cost  O(bytes); allocates nothing on the word of a declared count
 [[nodiscard]] Result<IndexedMesh> read_mesh(const std::filesystem::path& path);
 
-/// The colour of a label wherever one is shown: far apart for neighbouring numbers; the same for ever. Red, green, blue.
+/// The colour of a label wherever one is shown: far apart for neighbouring numbers; the same for ever. Red, green,
+/// blue.
 [[nodiscard]] std::array<std::uint8_t, 3> label_colour(Label label);
 
 }  // namespace sonoloft

@@ -23,10 +23,10 @@ double load_as(std::string_view bytes, std::size_t offset, std::endian order) {
 }
 
 constexpr Type kTypes[] = {
-    {"char", "int8", 1, load_as<std::int8_t>},     {"uchar", "uint8", 1, load_as<std::uint8_t>},
-    {"short", "int16", 2, load_as<std::int16_t>},  {"ushort", "uint16", 2, load_as<std::uint16_t>},
-    {"int", "int32", 4, load_as<std::int32_t>},    {"uint", "uint32", 4, load_as<std::uint32_t>},
-    {"float", "float32", 4, load_as<float>},       {"double", "float64", 8, load_as<double>},
+    {"char", "int8", 1, load_as<std::int8_t>},    {"uchar", "uint8", 1, load_as<std::uint8_t>},
+    {"short", "int16", 2, load_as<std::int16_t>}, {"ushort", "uint16", 2, load_as<std::uint16_t>},
+    {"int", "int32", 4, load_as<std::int32_t>},   {"uint", "uint32", 4, load_as<std::uint32_t>},
+    {"float", "float32", 4, load_as<float>},      {"double", "float64", 8, load_as<double>},
 };
 
 struct Property {
@@ -190,9 +190,11 @@ Result<IndexedMesh> parse_ply(std::string_view bytes, const std::string& name) {
 Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path) {
   std::string out =
       "ply\nformat binary_little_endian 1.0\ncomment SPACE=LPS\ncomment millimetres\n"
-      "element vertex " + std::to_string(mesh.positions.size()) +
+      "element vertex " +
+      std::to_string(mesh.positions.size()) +
       "\nproperty float x\nproperty float y\nproperty float z\n"
-      "element face " + std::to_string(mesh.triangles.size()) +
+      "element face " +
+      std::to_string(mesh.triangles.size()) +
       "\nproperty list uchar int vertex_indices\nproperty ushort label_front\nproperty ushort label_back\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
   out.reserve(out.size() + 12 * mesh.positions.size() + 20 * mesh.triangles.size());

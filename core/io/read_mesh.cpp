@@ -17,7 +17,8 @@ Result<IndexedMesh> read_mesh(const std::filesystem::path& path) {
                       : ending == ".off" ? parse_off
                                          : nullptr;
   if (parser == nullptr)
-    return fail(ErrorCode::unsupported_format, path.string() + ": not a mesh that we read: give a .ply, .stl, .obj or .off");
+    return fail(ErrorCode::unsupported_format,
+                path.string() + ": not a mesh that we read: give a .ply, .stl, .obj or .off");
   return read_bytes(path).and_then([&](const std::string& bytes) { return parser(bytes, path.filename().string()); });
 }
 

@@ -15,7 +15,9 @@ using Eigen::Vector3d;
 constexpr double kMovedTolerance = 1e-6;
 constexpr double kSamePlaneTolerance = 1e-9;
 
-std::string at_line(const std::string& name, std::size_t line) { return name + ":" + std::to_string(line) + ": "; }
+std::string at_line(const std::string& name, std::size_t line) {
+  return name + ":" + std::to_string(line) + ": ";
+}
 
 /// The farthest vertex from the plane with that offset; the normal is of unit length.
 double off_plane(const FilePlane& plane, double offset) {
@@ -125,8 +127,9 @@ Result<void> place_planes(std::vector<FilePlane>& planes, const std::string& nam
   for (FilePlane& plane : planes) {
     const double farthest = off_plane(plane, plane.offset);
     if (farthest > kPlanarTolerance * diagonal)
-      return fail(ErrorCode::non_planar, at_line(name, plane.line) + "a vertex is " + std::to_string(farthest) +
-                                             " mm off its plane, over 1 % of the whole: mend the plane or its vertices");
+      return fail(ErrorCode::non_planar,
+                  at_line(name, plane.line) + "a vertex is " + std::to_string(farthest) +
+                      " mm off its plane, over 1 % of the whole: mend the plane or its vertices");
     notes.largest_offset_mm = std::max(notes.largest_offset_mm, farthest);
     for (const Vector3d& v : plane.vertices)
       notes.moved_vertices += std::abs(plane.normal.dot(v) + plane.offset) > kMovedTolerance * diagonal;
@@ -142,9 +145,8 @@ Result<SliceFile> build_slices(const std::vector<FilePlane>& planes, const std::
   std::vector<std::size_t> first_plane;  // [slice] the plane that it was made from
   bool any_loop = false;
   for (std::size_t i = 0; i < planes.size(); ++i) {
-    const auto earlier = std::find_if(first_plane.begin(), first_plane.end(), [&](std::size_t k) {
-      return same_plane(planes[k], planes[i], diagonal);
-    });
+    const auto earlier = std::find_if(first_plane.begin(), first_plane.end(),
+                                      [&](std::size_t k) { return same_plane(planes[k], planes[i], diagonal); });
     const auto k = static_cast<std::size_t>(earlier - first_plane.begin());
     if (earlier == first_plane.end()) {
       first_plane.push_back(i);

@@ -11,9 +11,9 @@ namespace sonoloft {
 
 /// A plane as a file states it; `placed` is what place_planes() makes of it.
 struct FilePlane {
-  std::size_t line;            ///< where the plane begins
-  Eigen::Vector3d normal;      ///< of any length
-  double offset;               ///< normal . x + offset = 0, or = 2 offset where the file means the other sign
+  std::size_t line;        ///< where the plane begins
+  Eigen::Vector3d normal;  ///< of any length
+  double offset;           ///< normal . x + offset = 0, or = 2 offset where the file means the other sign
   std::vector<Eigen::Vector3d> vertices;
 
   Eigen::Isometry3d image_to_reference = Eigen::Isometry3d::Identity();
@@ -29,8 +29,7 @@ struct FileLoop {
 
 /// Tells the sign of each plane's offset from its vertices, projects them and chooses image frames.
 /// @error non_finite, non_planar, parse_failed (a normal of zero), bad_contour (beyond kMaxCoordinate_mm)
-[[nodiscard]] Result<void> place_planes(std::vector<FilePlane>& planes, const std::string& name,
-                                        SliceFileNotes& notes);
+[[nodiscard]] Result<void> place_planes(std::vector<FilePlane>& planes, const std::string& name, SliceFileNotes& notes);
 
 /// Builds the slices, one for each plane in space.
 /// @pre   loops.size() == planes.size(), vertices of loops in range

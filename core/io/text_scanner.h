@@ -82,7 +82,11 @@ class TextScanner {
   }
 
   /// Goes on behind the end of this line.
-  void skip_line() { next_ = std::min(text_.find('\n', next_), text_.size() - 1) + 1, ++line_; }
+  void skip_line() {
+    const std::size_t end = text_.find('\n', next_);
+    next_ = end == std::string_view::npos ? text_.size() : end + 1;
+    ++line_;
+  }
 
   std::size_t offset() const { return next_; }
   std::size_t line() const { return line_; }

@@ -16,8 +16,7 @@ std::string base64(std::string_view bytes) {
       return i + k < bytes.size() ? static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i + k])) : 0u;
     };
     const std::uint32_t group = (byte(0) << 16) | (byte(1) << 8) | byte(2);
-    for (std::size_t k = 0; k < 4; ++k)
-      out += i + k <= bytes.size() ? kDigits[(group >> (18 - 6 * k)) & 63] : '=';
+    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[(group >> (18 - 6 * k)) & 63] : '=';
   }
   return out;
 }
@@ -73,12 +72,13 @@ Result<void> write_vtp(const IndexedMesh& mesh, const std::filesystem::path& pat
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n"
       // A string array holds the codes of its characters and a closing 0.
-      "<FieldData><DataArray type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">76 80 83 0</DataArray>"
+      "<FieldData><DataArray type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">76 80 83 "
+      "0</DataArray>"
       "</FieldData>\n"
-      "<Piece NumberOfPoints=\"" + std::to_string(mesh.positions.size()) + "\" NumberOfPolys=\"" +
-      std::to_string(mesh.triangles.size()) + "\">\n";
-  out += "<CellData>\n" +
-         arrays.add("type=\"UInt16\" Name=\"BoundaryLabels\" NumberOfComponents=\"2\"", data.labels) + "</CellData>\n";
+      "<Piece NumberOfPoints=\"" +
+      std::to_string(mesh.positions.size()) + "\" NumberOfPolys=\"" + std::to_string(mesh.triangles.size()) + "\">\n";
+  out += "<CellData>\n" + arrays.add("type=\"UInt16\" Name=\"BoundaryLabels\" NumberOfComponents=\"2\"", data.labels) +
+         "</CellData>\n";
   out += "<Points>\n" + arrays.add("type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\"", data.points) +
          "</Points>\n";
   out += "<Polys>\n" + arrays.add("type=\"Int64\" Name=\"connectivity\"", data.connectivity) +

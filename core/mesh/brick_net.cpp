@@ -84,9 +84,9 @@ void BrickCells::clear() {
 }
 
 bool BrickCells::same_as(const BrickCells& other) const {
-  return same_bytes(slot, other.slot) && same_bytes(complex_cells, other.complex_cells) && edges == other.edges &&
-         same_bytes(placed, other.placed) && same_bytes(pull, other.pull) && same_bytes(equations, other.equations) &&
-         same_bytes(gaps, other.gaps);
+  return same_bytes(simple_cells, other.simple_cells) && same_bytes(complex_cells, other.complex_cells) &&
+         edges == other.edges && same_bytes(placed, other.placed) && same_bytes(pull, other.pull) &&
+         same_bytes(equations, other.equations) && same_bytes(gaps, other.gaps);
 }
 
 bool BrickNet::read(ReadScratch& scratch, const SampleLattice& lattice, const BrickCoord& coord) {
@@ -102,6 +102,7 @@ bool BrickNet::read(ReadScratch& scratch, const SampleLattice& lattice, const Br
         for (int x = 0; x < kBrickSize; ++x)
           if (mixed[static_cast<std::size_t>(SampleBlock::index(x, y, z))]) reader.read({x, y, z});
   }
+  if (cells.simple_cells.empty()) cells.slot.clear();
   if (cells.same_as(cells_)) return false;
   cells_ = cells;
   return true;

@@ -18,7 +18,7 @@ struct MixedEdge {
 
 /// What its own samples and the layer above say about the cells of one brick. Only mixed cells with 8 sampled corners.
 struct BrickCells {
-  std::vector<std::uint16_t> slot;           ///< [kBrickSamples] index into simple_cells, or kNoSlot
+  std::vector<std::uint16_t> slot;           ///< [kBrickSamples] index into simple_cells, or kNoSlot; [0] if #S = 0
   std::vector<std::uint16_t> simple_cells;   ///< [#S] sample_index, ascending
   std::vector<std::uint16_t> complex_cells;  ///< [#C] sample_index, ascending
   std::vector<MixedEdge> edges;              ///< those that the brick owns

@@ -118,7 +118,6 @@ class CellDrawer {
   LocalPoint cell_;
   ChunkBuffer& chunk_;
   CellSamples samples_;
-  std::array<int, 8> point_;
 };
 
 }  // namespace

@@ -16,8 +16,8 @@ EnclosingSets::Set EnclosingSets::toggled(Set set, std::uint32_t member, std::ui
   Set& side = (member >> (depth - 1)) & 1 ? c.one : c.zero;
   side = toggled(side, member, depth - 1);
   if (c.zero == kEmpty && c.one == kEmpty) return kEmpty;
-  const auto [entry, is_new] = known_.try_emplace((std::uint64_t{c.zero} << 32) | c.one,
-                                                  first_node_ + static_cast<Set>(nodes_.size()));
+  const auto [entry, is_new] =
+      known_.try_emplace((std::uint64_t{c.zero} << 32) | c.one, first_node_ + static_cast<Set>(nodes_.size()));
   if (is_new) nodes_.push_back(c);
   return entry->second;
 }

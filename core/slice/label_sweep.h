@@ -20,8 +20,8 @@ struct LabelledEdge {
 };
 
 struct LabelledNetwork {
-  std::vector<GridPoint> points;     ///< ascending
-  std::vector<LabelledEdge> edges;   ///< ascending by a, then from right to left around a
+  std::vector<GridPoint> points;    ///< ascending
+  std::vector<LabelledEdge> edges;  ///< ascending by a, then from right to left around a
 };
 
 /// Labels both sides of every segment by the rule of TrackedSlice: the smallest enclosing contour by its even-odd area;

@@ -40,7 +40,9 @@ bool inside_box(const GridSegment& s, GridPoint p) {
   return s.a.x <= p.x && p.x <= s.b.x && low <= p.y && p.y <= high && p != s.a && p != s.b;
 }
 
-bool on_interior(const GridSegment& s, GridPoint p) { return inside_box(s, p) && orient(s.a, s.b, p) == 0; }
+bool on_interior(const GridSegment& s, GridPoint p) {
+  return inside_box(s, p) && orient(s.a, s.b, p) == 0;
+}
 
 /// Does the segment, other than with its own ends, meet the pixel [x - 1/2, x + 1/2) x [y - 1/2, y + 1/2) of p?
 /// Both ends are middles of pixels: where p lies in the segment's box, the segment meets p's pixel if its line does.
@@ -52,7 +54,9 @@ bool meets_pixel(const GridSegment& s, GridPoint p) {
   return std::abs(offset) < reach || (dy < 0 && offset == reach);
 }
 
-bool opposite(std::int64_t u, std::int64_t v) { return (u < 0 && v > 0) || (u > 0 && v < 0); }
+bool opposite(std::int64_t u, std::int64_t v) {
+  return (u < 0 && v > 0) || (u > 0 && v < 0);
+}
 
 bool cross_properly(const GridSegment& s, const GridSegment& t) {
   return opposite(orient(s.a, s.b, t.a), orient(s.a, s.b, t.b)) &&

@@ -46,15 +46,15 @@ Result<void> check_contours(const TrackedSlice& slice) {
     if (c.first > slice.points.size() || c.count > slice.points.size() - c.first)
       return fail(ErrorCode::bad_contour, what + " names points that the slice does not have: mend the sender");
     if (c.label > kMaxLabel && c.label != kUnknown && !c.hole)
-      return fail(ErrorCode::bad_contour, what + " has the reserved label " + std::to_string(c.label) +
-                                              ": use 0 to " + std::to_string(kMaxLabel) + ", or unknown");
+      return fail(ErrorCode::bad_contour, what + " has the reserved label " + std::to_string(c.label) + ": use 0 to " +
+                                              std::to_string(kMaxLabel) + ", or unknown");
     total += c.count;
     if (total > kMaxSlicePoints) break;
     if (auto ok = check_loop(std::span(slice.points).subspan(c.first, c.count), what); !ok) return ok;
   }
   if (total > kMaxSlicePoints)
-    return fail(ErrorCode::too_large, "the slice has more than " + std::to_string(kMaxSlicePoints) +
-                                          " points: thin out its contours");
+    return fail(ErrorCode::too_large,
+                "the slice has more than " + std::to_string(kMaxSlicePoints) + " points: thin out its contours");
   if (!slice.field_of_view.empty()) return check_loop(slice.field_of_view, "the field of view");
   return {};
 }
@@ -134,7 +134,8 @@ Result<Section> make_section(const TrackedSlice& slice) {
   std::vector<OwnedSegment> segments = snapped_segments(slice, grid);
   const auto split = split_at_crossings(segments, static_cast<std::uint32_t>(slice.contours.size()));
   if (split.too_tangled)
-    return fail(ErrorCode::too_large, "the slice's contours are a tangle of long strokes, no outlines of regions: drop it");
+    return fail(ErrorCode::too_large,
+                "the slice's contours are a tangle of long strokes, no outlines of regions: drop it");
 
   std::vector<Enclosure> enclosures;
   enclosures.reserve(slice.contours.size());

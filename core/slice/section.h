@@ -21,9 +21,9 @@ struct SectionEdge {
 /// is used. Frame: image, mm (see TrackedSlice).
 struct Section {
   Eigen::Isometry3d image_to_reference = Eigen::Isometry3d::Identity();
-  std::vector<Eigen::Vector2d> points;  ///< [#V] on a grid of 2^-30 of the slice's extent (see make_section)
-  std::vector<SectionEdge> edges;       ///< [#E]
-  Label border = kOutside;              ///< label far away: outside, or unknown where the field of view is bounded
+  std::vector<Eigen::Vector2d> points;   ///< [#V] on a grid of 2^-30 of the slice's extent (see make_section)
+  std::vector<SectionEdge> edges;        ///< [#E]
+  Label border = kOutside;               ///< label far away: outside, or unknown where the field of view is bounded
   std::uint32_t repaired_crossings = 0;  ///< points at which contours crossed themselves or each other and were split
 };
 

@@ -16,7 +16,9 @@ std::uint64_t spread_bits(std::uint32_t v) {
 }
 
 std::uint64_t morton_key(const GridSegment& s) {
-  const auto middle = [](std::int32_t p, std::int32_t q) { return static_cast<std::uint32_t>((std::int64_t{p} + q) / 2); };
+  const auto middle = [](std::int32_t p, std::int32_t q) {
+    return static_cast<std::uint32_t>((std::int64_t{p} + q) / 2);
+  };
   return spread_bits(middle(s.a.x, s.b.x)) | (spread_bits(middle(s.a.y, s.b.y)) << 1);
 }
 

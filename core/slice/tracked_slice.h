@@ -22,12 +22,12 @@ struct Contour {
 /// Orientation of a contour means nothing. Contours may touch, share stretches, nest and (repaired) cross.
 /// Frame: image = the slice's plane in mm, x and y in the image, z along the normal (right-handed); reference in mm.
 struct TrackedSlice {
-  std::uint64_t id = 0;                         ///< the sender's sequence number or the file's index
-  std::chrono::nanoseconds time{0};             ///< device clock, middle of the acquisition
+  std::uint64_t id = 0;              ///< the sender's sequence number or the file's index
+  std::chrono::nanoseconds time{0};  ///< device clock, middle of the acquisition
   Eigen::Isometry3d image_to_reference = Eigen::Isometry3d::Identity();
-  std::vector<Eigen::Vector2d> points;          ///< [#V] mm, image frame
-  std::vector<Contour> contours;                ///< [#C]
-  std::vector<Eigen::Vector2d> field_of_view;   ///< [#F] closed polygon, mm, image frame; empty: the whole plane was seen
+  std::vector<Eigen::Vector2d> points;         ///< [#V] mm, image frame
+  std::vector<Contour> contours;               ///< [#C]
+  std::vector<Eigen::Vector2d> field_of_view;  ///< [#F] closed polygon, mm, image; empty: the whole plane was seen
 };
 
 }  // namespace sonoloft

@@ -1,0 +1,9 @@
+#pragma once
+#include "host/apps/picture/picture.h"
+
+namespace sonoloft {
+
+/// Writes the lines into the lower left corner, each behind a square of its label's colour.
+void draw_legend(const std::vector<LegendLine>& lines, bool dark, Picture& picture);
+
+}  // namespace sonoloft

@@ -1,0 +1,36 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/field/device_choice.h"
+#include "core/slice/result.h"
+
+namespace sonoloft::tool {
+
+/// Options that several verbs have. The defaults are those that --help states.
+struct Resolution {
+  int depth = 8;                     ///< the longest side of the object is 2^depth / 1.1 finest cells long
+  std::optional<double> spacing_mm;  ///< instead of the depth
+};
+void add_resolution(CLI::App& verb, Resolution& resolution);
+/// Edge of a finest cell for an object of this size.
+/// @error invalid_argument (more than 4096 cells along the object, or less than 4)
+[[nodiscard]] Result<double> spacing(const Resolution& resolution, double longest_side_mm);
+
+struct Compute {
+  int threads;  ///< by default one for every core
+  DeviceChoice device = DeviceChoice::automatic;
+};
+void add_compute(CLI::App& verb, Compute& compute);
+
+void add_threads(CLI::App& verb, int& threads);
+void add_report(CLI::App& verb, std::optional<std::filesystem::path>& report);
+
+/// Accepts finite numbers of [low, high].
+[[nodiscard]] CLI::Validator finite(double low, double high);
+/// Accepts paths that end in one of the suffixes, which are given in lower case with their dots, apart by commas.
+[[nodiscard]] CLI::Validator ends_in(const std::string& suffixes);
+
+}  // namespace sonoloft::tool

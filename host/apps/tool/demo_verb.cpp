@@ -1,0 +1,221 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include "host/apps/tool/body.h"
+#include "host/apps/tool/common_options.h"
+#include "host/apps/tool/figures.h"
+#include "host/apps/tool/scan_log.h"
+#include "host/apps/tool/simulated_scan.h"
+#include "host/apps/tool/verbs.h"
+#include "host/device/loopback/loopback_transport.h"
+#include "host/scan/scan_session.h"
+
+namespace sonoloft::tool {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct DemoOptions {
+  std::string phantom = "liver";
+  ScanPlan plan;
+  std::optional<double> seconds;
+  std::filesystem::path out = "out";
+  std::optional<std::filesystem::path> data, report;
+  Resolution resolution;
+  Compute compute;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void interrupt(int) {
+  interrupted = 1;
+  std::signal(SIGINT, SIG_DFL);  // a second Ctrl-C means it
+}
+
+Result<ScanOptions> scan_options(const DemoOptions& demo, const Eigen::AlignedBox3d& body) {
+  const double longest_mm = body.sizes().maxCoeff();
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(longest_mm);
+  ScanOptions options;
+  options.reconstructor.box = {body.min() - margin, body.max() + margin};
+  const auto spacing_mm = spacing(demo.resolution, longest_mm);
+  if (!spacing_mm) return tl::unexpected<Error>(spacing_mm.error());
+  options.reconstructor.spacing_mm = *spacing_mm;
+  options.reconstructor.device = demo.compute.device;
+  options.reconstructor.threads = demo.compute.threads;
+  options.reconstructor.log = [](const std::string& line) { std::cout << line << '\n'; };
+  if (demo.plan.rate_hz == 0) options.stream.mode = device::StreamMode::lossless;
+  return options;
+}
+
+/// Until the data end or Ctrl-C: a line that is rewritten on a terminal, else a line a second.
+void follow(ScanLog& log) {
+  const bool terminal = isatty(STDOUT_FILENO) == 1;
+  const auto show = [&] { std::cout << log.progress() << (terminal ? "    \r" : "\n") << std::flush; };
+  auto next_line = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  while (!interrupted && !log.wait_for_end(std::chrono::milliseconds(100))) {
+    if (!terminal && std::chrono::steady_clock::now() < next_line) continue;
+    next_line += std::chrono::seconds(1);
+    show();
+  }
+  show();
+  if (terminal) std::cout << '\n';
+}
+
+Json slices_json(const SliceCounts& c) {
+  return {{"delivered", c.delivered}, {"inserted", c.inserted}, {"explained", c.explained},
+          {"merged", c.merged},       {"refused", c.refused},   {"dropped", c.dropped}};
+}
+
+Json ledger_json(const device::Ledger& l) {
+  return {{"sent", l.made},
+          {"delivered", l.delivered},
+          {"host_dropped", l.host_dropped},
+          {"crc_bad", l.crc_bad},
+          {"malformed", l.malformed},
+          {"transport_lost", l.transport_lost},
+          {"device_dropped", l.device_dropped},
+          {"closed", l.closed}};
+}
+
+Json labels_json(const std::vector<LabelStatistics>& labels) {
+  Json all = Json::object();
+  for (const LabelStatistics& s : labels)
+    all[std::to_string(s.label)] = {{"triangles", s.triangles}, {"volume_ml", s.volume_ml}};
+  return all;
+}
+
+/// Dice of every label; empty without a truth.
+Result<Json> dice_json(const IndexedMesh& mesh, const Truth& truth, int threads) {
+  Json dice = Json::object();
+  if (std::holds_alternative<std::monostate>(truth)) return dice;
+  const auto compared = compare(mesh, truth, threads);
+  if (!compared) return tl::unexpected<Error>(compared.error());
+  for (const LabelOverlap& overlap : compared->overlaps) dice[std::to_string(overlap.label)] = overlap.dice();
+  return dice;
+}
+
+std::string text_of(const LabelStatistics& label, const Json& dice) {
+  char text[96];
+  const std::string key = std::to_string(label.label);
+  int size = std::snprintf(text, sizeof text, "label %s  %.1f ml", key.c_str(), label.volume_ml);
+  if (dice.contains(key))
+    std::snprintf(text + size, sizeof text - static_cast<std::size_t>(size), "  Dice %.3f", dice[key].get<double>());
+  return text;
+}
+
+void print(const std::string& what, const Percentiles& ms) {
+  std::printf("%-12s p50 %.1f  p95 %.1f  max %.1f ms\n", what.c_str(), ms.p50, ms.p95, ms.max);
+}
+
+void print(const Json& report, const std::vector<LabelStatistics>& labels) {
+  for (const LabelStatistics& label : labels) std::cout << text_of(label, report["dice"]) << '\n';
+  for (const char* group : {"slices", "ledger"}) {
+    std::cout << group << ':';
+    for (const auto& [key, value] : report[group].items()) std::cout << "  " << key << ' ' << value;
+    std::cout << '\n';
+  }
+  std::cout << std::flush;
+}
+
+/// The enclosing label as glass, so that what it holds is seen.
+std::vector<Label> glass_of(const std::vector<LabelStatistics>& labels) {
+  if (labels.size() < 2) return {};
+  const auto less = [](const auto& a, const auto& b) { return a.volume_ml < b.volume_ml; };
+  return {std::max_element(labels.begin(), labels.end(), less)->label};
+}
+
+Result<void> judge(const DemoOptions& demo, const Body& body, const ScanLog& log, const ScanSession& scan) {
+  if (const auto failure = log.failure()) return fail(ErrorCode::opencl_failed, *failure);
+  const auto last = log.last();
+  if (!last) return fail(ErrorCode::empty_input, "no slice came before the scan was stopped: let it run longer");
+  const IndexedMesh mesh = last->mesh.indexed();
+  if (mesh.triangles.empty())
+    return fail(ErrorCode::empty_input, "the slices bound nothing: scan the whole body, with more slices");
+  const auto dice = dice_json(mesh, body.truth, demo.compute.threads);
+  if (!dice) return tl::unexpected<Error>(dice.error());
+  const Percentiles latency = percentiles(log.latencies_ms()), insert = percentiles(log.reconstruct_ms());
+  Json report = {{"phantom", demo.phantom},
+                 {"device", scan.field_device()},
+                 {"slices", slices_json(scan.counts())},
+                 {"dice", *dice},
+                 {"labels", labels_json(last->labels)},
+                 {"triangles", mesh.triangles.size()},
+                 {"latency_ms", json(latency)},
+                 {"insert_ms", json(insert)},
+                 {"ledger", ledger_json(scan.ledger())}};
+  print("latency", latency);
+  print("insert", insert);
+  std::fflush(stdout);
+  print(report, last->labels);
+
+  const auto mesh_file = demo.out / "mesh.ply", picture_file = demo.out / "mesh.png";
+  if (auto written = write_mesh(mesh, mesh_file); !written) return written;
+  std::vector<LegendLine> legend;
+  for (const LabelStatistics& label : last->labels) legend.push_back({label.label, text_of(label, *dice)});
+  auto drawn = write_picture(mesh, std::move(legend), glass_of(last->labels), picture_file, demo.compute.threads);
+  if (!drawn) return drawn;
+  std::cout << "written: " << mesh_file.string() << ", " << picture_file.string() << '\n';
+  return demo.report ? write_report(report, *demo.report) : Result<void>{};
+}
+
+Result<void> run_demo(DemoOptions demo) {
+  if (demo.seconds)
+    demo.plan.slices = static_cast<std::uint32_t>(std::max(1.0, std::round(*demo.seconds * demo.plan.rate_hz)));
+  const auto body = load_body(demo.phantom, demo.data);
+  if (!body) return tl::unexpected<Error>(body.error());
+  const auto options = scan_options(demo, body->source->bounds());
+  if (!options) return tl::unexpected<Error>(options.error());
+  const auto device = SimulatedScan::make(*body, demo.plan);
+  if (!device) return tl::unexpected<Error>(device.error());
+  ScanLog log;
+  const auto scan = ScanSession::open(std::make_unique<device::LoopbackTransport>((*device)->port()), *options);
+  if (!scan) return tl::unexpected<Error>(scan.error());
+  std::cout << demo.phantom << ": " << (*device)->slices() << " slices, finest cells of "
+            << options->reconstructor.spacing_mm << " mm, field on " << (*scan)->field_device() << std::endl;
+  std::signal(SIGINT, interrupt);
+  if (auto started = (*scan)->start(log.callbacks()); !started) return started;
+  follow(log);
+  (*scan)->stop();
+  return judge(demo, *body, log, **scan);
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, Task& task) {
+  auto* verb =
+      app.add_subcommand("demo", "Scans a phantom with a simulated probe, live, and says how good the mesh is");
+  auto demo = std::make_shared<DemoOptions>();
+  verb->add_option("--phantom", demo->phantom,
+                   "liver, femur, organs, or a file: recorded slices (.csl, .contour), a closed mesh (.off, .stl, "
+                   ".ply, .obj), voxels (.inr, .inr.gz)")
+      ->capture_default_str();
+  auto* slices = verb->add_option("--slices", demo->plan.slices, "Slices of the sweep")
+                     ->check(CLI::Range(1, 100000))
+                     ->capture_default_str();
+  verb->add_option("--rate", demo->plan.rate_hz, "Slices a second; 0: as fast as they are used")
+      ->check(finite(0, 1000))
+      ->capture_default_str();
+  verb->add_option("--seconds", demo->seconds, "Length of the sweep, instead of --slices")
+      ->check(finite(0.1, 3600))
+      ->excludes(slices);
+  verb->add_option("--seed", demo->plan.seed, "Of the hand that holds the probe")->capture_default_str();
+  verb->add_option("--out", demo->out, "Folder for mesh.ply and mesh.png")->capture_default_str();
+  verb->add_option("--data", demo->data, "Folder of the demo's data; default: $SONOLOFT_DATA, then build/data");
+  add_resolution(*verb, demo->resolution);
+  add_compute(*verb, demo->compute);
+  add_report(*verb, demo->report);
+  verb->callback([&task, demo] {
+    if (demo->seconds && demo->plan.rate_hz == 0) throw CLI::ValidationError("--seconds", "needs a --rate above 0");
+    task = [demo] { return run_demo(*demo); };
+  });
+}
+
+}  // namespace sonoloft::tool

@@ -1,0 +1,178 @@
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "core/io/slice_files.h"
+#include "core/reconstructor/reconstructor.h"
+#include "host/apps/tool/common_options.h"
+#include "host/apps/tool/figures.h"
+#include "host/apps/tool/verbs.h"
+
+namespace sonoloft::tool {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+struct ReconstructOptions {
+  std::filesystem::path input, output;
+  bool online = false;
+  Resolution resolution;
+  Compute compute;
+  std::optional<std::filesystem::path> report, picture;
+};
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Times of a run, ms. total: from parsed slices to the finished mesh, without load and device_start.
+struct Times {
+  double load = 0, device_start = 0, cells = 0, field = 0, octree = 0, mesh = 0, smooth = 0, total = 0;
+  std::vector<double> per_slice;
+
+  void add(const UpdateReport& update) {
+    field += update.field_ms;
+    octree += update.octree_ms;
+    mesh += update.mesh_ms;
+    smooth += update.smooth_ms;
+  }
+};
+
+struct SliceOutcomes {
+  std::size_t inserted = 0, merged = 0, refused = 0;
+};
+
+Result<SliceFile> load(const std::filesystem::path& path) {
+  return path.extension() == ".contour" ? read_contour(path) : read_csl(path);
+}
+
+Result<Reconstructor> prepare(const ReconstructOptions& o, std::span<const TrackedSlice> slices) {
+  auto options = options_for(slices, o.resolution.depth);
+  if (!options) return tl::unexpected<Error>(options.error());
+  if (o.resolution.spacing_mm) {
+    const auto spacing_mm = spacing(o.resolution, options->box.sizes().maxCoeff() / 3);  // the object and twice as much
+    if (!spacing_mm) return tl::unexpected<Error>(spacing_mm.error());
+    options->spacing_mm = *spacing_mm;
+  }
+  options->device = o.compute.device;
+  options->threads = o.compute.threads;
+  options->log = [](const std::string& line) { std::cout << line << '\n'; };
+  return Reconstructor::create(*options);
+}
+
+Result<SliceOutcomes> reconstruct(std::span<const TrackedSlice> slices, bool online, Reconstructor& reconstructor,
+                                  Times& times) {
+  SliceOutcomes outcomes;
+  const auto bring_up_to_date = [&]() -> Result<void> {
+    const auto update = reconstructor.update();
+    if (!update) return tl::unexpected<Error>(update.error());
+    times.add(*update);
+    return {};
+  };
+  for (const TrackedSlice& slice : slices) {
+    const auto start = Clock::now();
+    const auto added = reconstructor.add(slice);
+    if (added) {
+      times.cells += added->cells_ms;
+      ++(added->outcome == SliceOutcome::merged ? outcomes.merged : outcomes.inserted);
+    } else {
+      ++outcomes.refused;
+      std::cerr << "sonoloft: plane " << slice.id << " is left out: " << added.error().message << '\n';
+    }
+    if (online)
+      if (const auto updated = bring_up_to_date(); !updated) return tl::unexpected<Error>(updated.error());
+    times.per_slice.push_back(ms_since(start));
+  }
+  if (!online)
+    if (const auto updated = bring_up_to_date(); !updated) return tl::unexpected<Error>(updated.error());
+  return outcomes;
+}
+
+Json input_json(std::span<const TrackedSlice> slices) {
+  std::size_t vertices = 0;
+  std::set<Label> labels;
+  for (const TrackedSlice& slice : slices) {
+    vertices += slice.points.size();
+    for (const Contour& contour : slice.contours)
+      if (!contour.hole && contour.label != kUnknown && contour.label != kOutside) labels.insert(contour.label);
+  }
+  return {{"planes", slices.size()}, {"vertices", vertices}, {"labels", labels.size()}};
+}
+
+Json report_json(std::span<const TrackedSlice> slices, const SliceOutcomes& outcomes, const Reconstructor& r,
+                 const Times& t) {
+  const ReconstructorCounts counts = r.counts();
+  return {{"input", input_json(slices)},
+          {"slices", {{"inserted", outcomes.inserted}, {"merged", outcomes.merged}, {"refused", outcomes.refused}}},
+          {"cells", counts.cells},
+          {"faces", counts.faces},
+          {"edges", counts.edges},
+          {"samples", counts.samples},
+          {"leaves", counts.leaves},
+          {"triangles", counts.triangles},
+          {"device", r.device_name()},
+          {"times_ms",
+           {{"load", t.load},
+            {"device_start", t.device_start},
+            {"cells", t.cells},
+            {"field", t.field},
+            {"octree", t.octree},
+            {"mesh", t.mesh},
+            {"smooth", t.smooth},
+            {"total", t.total}}},
+          {"per_slice_ms", json(percentiles(t.per_slice))}};
+}
+
+void print(const Json& report) {
+  for (const auto& [key, value] : report.items()) std::cout << key << ": " << value << '\n';
+}
+
+Result<void> run_reconstruct(const ReconstructOptions& o) {
+  Times times;
+  auto start = Clock::now();
+  const auto file = load(o.input);
+  if (!file) return tl::unexpected<Error>(file.error());
+  times.load = ms_since(start);
+  start = Clock::now();
+  auto reconstructor = prepare(o, file->slices);
+  if (!reconstructor) return tl::unexpected<Error>(reconstructor.error());
+  times.device_start = ms_since(start);
+  start = Clock::now();
+  const auto outcomes = reconstruct(file->slices, o.online, *reconstructor, times);
+  if (!outcomes) return tl::unexpected<Error>(outcomes.error());
+  const IndexedMesh mesh = reconstructor->mesh().indexed();
+  times.total = ms_since(start);
+  if (mesh.triangles.empty())
+    return fail(ErrorCode::empty_input, "the slices bound nothing that is a cell wide: give a larger --depth");
+
+  const Json report = report_json(file->slices, *outcomes, *reconstructor, times);
+  print(report);
+  if (auto written = write_mesh(mesh, o.output); !written) return written;
+  if (o.picture)
+    if (auto drawn = write_picture(mesh, {}, {}, *o.picture, o.compute.threads); !drawn) return drawn;
+  return o.report ? write_report(report, *o.report) : Result<void>{};
+}
+
+}  // namespace
+
+void add_reconstruct(CLI::App& app, Task& task) {
+  auto* verb = app.add_subcommand("reconstruct", "Makes a mesh of recorded slices");
+  auto options = std::make_shared<ReconstructOptions>();
+  verb->add_option("input", options->input, "Recorded slices: .csl or .contour")
+      ->required()
+      ->check(ends_in(".csl,.contour"));
+  verb->add_option("-o,--output", options->output, std::string("Mesh to write: ") + kMeshSuffixes)
+      ->required()
+      ->check(ends_in(kMeshSuffixes));
+  verb->add_flag("--online", options->online, "Bring the mesh up to date after every slice, as a live scan does");
+  verb->add_option("--picture", options->picture, "Draw the mesh into this PNG file")->check(ends_in(".png"));
+  add_resolution(*verb, options->resolution);
+  add_compute(*verb, options->compute);
+  add_report(*verb, options->report);
+  verb->callback([&task, options] { task = [options] { return run_reconstruct(*options); }; });
+}
+
+}  // namespace sonoloft::tool

@@ -1,0 +1,42 @@
+#pragma once
+// body -> [SIMULATED SCAN: trajectory, probe, firmware, cable] -> port -> ScanSession
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/slice/result.h"
+#include "device_sim/port/loopback_device.h"
+#include "device_sim/probe/simulated_probe.h"
+#include "host/apps/tool/body.h"
+#include "protocol/port.h"
+
+namespace sonoloft::tool {
+
+struct ScanPlan {
+  std::uint32_t slices = 60;  ///< of recorded bodies: at most as many as there are
+  double rate_hz = 10;        ///< 0: as fast as the host takes them
+  std::uint64_t seed = 1;     ///< of the hand's tremor
+};
+
+/// A probe that a trembling hand moves over the body, tilting it; recorded slices are sent as they were taken. A body
+/// that can be cut anywhere is seen through the sector of the image that just holds it.
+class SimulatedScan {
+ public:
+  /// @error invalid_argument
+  [[nodiscard]] static Result<std::unique_ptr<SimulatedScan>> make(const Body& body, const ScanPlan& plan);
+
+  [[nodiscard]] std::size_t slices() const { return probe_->image_count(); }
+  /// @pre whoever uses it is gone before the scan is
+  [[nodiscard]] protocol::Port& port() { return device_->port(); }
+
+ private:
+  SimulatedScan() = default;
+  const device_sim::AcquiredSlice* next();
+
+  std::unique_ptr<device_sim::SimulatedProbe> probe_;
+  std::optional<device_sim::SimulatedFrame> frame_;
+  device_sim::AcquiredSlice view_;
+  std::unique_ptr<device_sim::LoopbackDevice> device_;  ///< its thread uses the members above: it goes first
+};
+
+}  // namespace sonoloft::tool

@@ -1,0 +1,45 @@
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/slice/tracked_slice.h"
+#include "protocol/slice.h"
+
+namespace sonoloft::device {
+
+using protocol::PoseStatus;
+
+/// A slice as it came from a device, in mm. `slice.id` is the record's sequence number, `slice.time` the device's
+/// clock.
+struct DeliveredSlice {
+  TrackedSlice slice;
+  PoseStatus pose_status = PoseStatus::ok;  ///< anything but ok: image_to_reference is not to be used for geometry
+  float pose_error_mm = 0;                  ///< the tracker's estimate, rms; 0: none
+  std::chrono::nanoseconds pose_time{0};    ///< device clock, when the tracker measured
+  std::chrono::steady_clock::time_point arrival;  ///< host clock, when the transfer was complete
+};
+
+enum class EventKind : std::uint8_t {
+  disconnected,    ///< the device went away: at most once a run, and the run's last callback
+  slices_dropped,  ///< the slice callback is too slow: the oldest waiting slices are dropped; once until it caught up
+  callback_threw,  ///< an exception left a callback; the message is its what()
+  device_fault,    ///< the device stopped by itself; the message says why
+  end_of_data,     ///< the device's source has ended and every slice of it was delivered or counted
+};
+
+struct Event {
+  EventKind kind;
+  std::string message;  ///< one line, cause and remedy
+};
+
+/// What a run calls. Both run on the run's dispatcher thread only, one at a time, with no lock held; every member of
+/// Session may be called from them. An exception that leaves one becomes a callback_threw event. Either may be empty.
+struct Callbacks {
+  std::function<void(std::shared_ptr<const DeliveredSlice>)> on_slice;  ///< keep the slice as long as you like
+  std::function<void(const Event&)> on_event;
+};
+
+}  // namespace sonoloft::device

@@ -1,0 +1,64 @@
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <span>
+
+#include "core/slice/result.h"
+
+// bus -> [TRANSPORT] -> transfers -> session -> slices
+
+namespace sonoloft::device {
+
+/// Where a transport puts what it receives. Called on the transport's event thread only, one call at a time.
+class TransferSink {
+ public:
+  /// One finished transfer of the stream, whatever its bytes are.
+  /// @pre  transfer.data() is 64-byte aligned; the bytes are valid during the call only
+  /// @post does not throw; may block, which keeps later transfers waiting on the device's side
+  virtual void on_transfer(std::span<const std::byte> transfer) = 0;
+
+  /// The device went away; nothing follows. At most once between start_stream() and stop_stream().
+  virtual void on_gone() = 0;
+
+ protected:
+  ~TransferSink() = default;
+};
+
+/// A way to reach one opened device: requests with their replies, and a stream of transfers. Implementations know
+/// buses and nothing of what the bytes mean.
+///
+/// Threads. control() may be called from any thread but the event thread; calls wait for each other. start_stream() and
+/// stop_stream() are called by one thread at a time, never from the event thread. The event thread is the transport's
+/// own; it exists at least from start_stream() to stop_stream().
+///
+/// Lifetime. A transport is born open and closes when destroyed; @pre of the destructor: the stream is stopped. After
+/// the device went away every call returns transport_closed at once.
+class Transport {
+ public:
+  virtual ~Transport() = default;
+  Transport(const Transport&) = delete;
+  Transport& operator=(const Transport&) = delete;
+
+  /// One request and its reply.
+  /// @pre    reply.size() >= protocol::kMaxRequestLen
+  /// @return the reply's length
+  /// @error  transport_closed, timed_out, io_failed
+  [[nodiscard]] virtual Result<std::size_t> control(std::span<const std::byte> request, std::span<std::byte> reply,
+                                                    std::chrono::milliseconds timeout) = 0;
+
+  /// Throws away what an earlier session left in the pipe, then receives transfers of up to `max_record` bytes into
+  /// buffers of its own and hands them to `sink`, in order, until stop_stream().
+  /// @pre   the device does not stream yet; `sink` lives until stop_stream() returns
+  /// @error transport_closed, io_failed: nothing was started
+  [[nodiscard]] virtual Result<void> start_stream(TransferSink& sink, std::size_t max_record) = 0;
+
+  /// Ends the stream: no transfer begins any more, those under way are cancelled, and the call returns after the last
+  /// call into the sink has returned. A transfer that had finished before is still handed over, not lost.
+  /// Legal when no stream runs and after the device went away. @cost under 100 ms beyond the sink's own time
+  virtual void stop_stream() = 0;
+
+ protected:
+  Transport() = default;
+};
+
+}  // namespace sonoloft::device

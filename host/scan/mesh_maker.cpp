@@ -1,0 +1,78 @@
+#include "host/scan/mesh_maker.h"
+
+#include <chrono>
+#include <utility>
+
+namespace sonoloft {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using device::PoseStatus;
+
+const char* reason(PoseStatus status) {
+  switch (status) {
+    case PoseStatus::ok:
+      return "";
+    case PoseStatus::missing:
+      return "no pose: the tracker does not know this probe: check the tool's definition";
+    case PoseStatus::out_of_view:
+      return "no pose: the probe's markers are hidden: clear the tracker's view";
+    case PoseStatus::out_of_volume:
+      return "no pose: the probe is outside of the tracker's volume: move the tracker";
+    case PoseStatus::high_error:
+      return "no pose: the tracker's error is over its limit: check the markers";
+    case PoseStatus::invalid:
+      return "no pose: the tracker calls its value invalid: check the tracker";
+  }
+  return "no pose: the tracker's status is unknown: update this program";
+}
+
+SliceFate fate(const InsertReport& report) {
+  if (report.outcome == SliceOutcome::merged) return SliceFate::merged;
+  return report.cells_cut == 0 ? SliceFate::explained : SliceFate::inserted;
+}
+
+}  // namespace
+
+Result<MeshMaker> MeshMaker::create(const ReconstructorOptions& options) {
+  auto reconstructor = Reconstructor::create(options);
+  if (!reconstructor) return tl::unexpected<Error>(reconstructor.error());
+  return MeshMaker(std::move(*reconstructor), options.box.center());
+}
+
+SliceReport MeshMaker::add(std::shared_ptr<const device::DeliveredSlice> slice) {
+  SliceReport report{std::move(slice), SliceFate::refused, {}, 0, 0};
+  if (report.slice->pose_status != PoseStatus::ok) {
+    report.reason = reason(report.slice->pose_status);
+    return report;
+  }
+  const auto added = reconstructor_.add(report.slice->slice);
+  if (added) {
+    report.fate = fate(*added);
+    report.insert_ms = added->cells_ms;
+  } else {
+    report.reason = added.error().message;
+  }
+  return report;
+}
+
+Result<std::shared_ptr<MeshUpdate>> MeshMaker::make(
+    std::span<const std::shared_ptr<const device::DeliveredSlice>> slices) {
+  const auto start = Clock::now();
+  auto made = std::make_shared<MeshUpdate>();
+  for (const auto& slice : slices) made->slices.push_back(add(slice));
+  auto updated = reconstructor_.update();
+  if (!updated) return tl::unexpected<Error>(updated.error());
+  revision_ += slices.size();
+  skipped_revisions_ += slices.size() - 1;
+  made->revision = revision_;
+  made->skipped_revisions = skipped_revisions_;
+  made->mesh = reconstructor_.mesh();
+  made->reconstruct_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  made->changed_chunks = std::move(updated->changed_chunks);
+  made->labels = statistics_.update(made->mesh, made->changed_chunks);
+  made->size = reconstructor_.counts();
+  return made;
+}
+
+}  // namespace sonoloft

@@ -1,0 +1,40 @@
+#pragma once
+// device -> slices -> [MESH MAKER] -> MeshUpdate -> your callback
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/reconstructor/reconstructor.h"
+#include "core/slice/result.h"
+#include "host/device/delivered_slice.h"
+#include "host/scan/label_statistics.h"
+#include "host/scan/mesh_update.h"
+
+namespace sonoloft {
+
+/// What a scan does with its slices, without any thread. Threads: one at a time.
+class MeshMaker {
+ public:
+  /// @error those of Reconstructor::create()
+  [[nodiscard]] static Result<MeshMaker> create(const ReconstructorOptions& options);
+
+  /// Adds the slices in their order and brings the mesh up to date once.
+  /// @post  in the update everything is set but `counts` and the slices' latency_ms
+  /// @error opencl_failed: the maker is not to be used any more
+  [[nodiscard]] Result<std::shared_ptr<MeshUpdate>> make(
+      std::span<const std::shared_ptr<const device::DeliveredSlice>> slices);
+
+  [[nodiscard]] std::string field_device() const { return reconstructor_.device_name(); }
+
+ private:
+  MeshMaker(Reconstructor reconstructor, const Eigen::Vector3d& centre_mm)
+      : reconstructor_(std::move(reconstructor)), statistics_(centre_mm) {}
+  SliceReport add(std::shared_ptr<const device::DeliveredSlice> slice);
+
+  Reconstructor reconstructor_;
+  LabelStatisticsKeeper statistics_;
+  std::uint64_t revision_ = 0, skipped_revisions_ = 0;
+};
+
+}  // namespace sonoloft

@@ -1,0 +1,306 @@
+#include "host/scan/scan_session.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "host/scan/mesh_maker.h"
+
+namespace sonoloft {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using device::DeliveredSlice;
+
+thread_local const void* reconstructing = nullptr;  // the scan whose callbacks this thread calls
+
+ScanEventKind scan_kind(device::EventKind kind) {
+  switch (kind) {
+    case device::EventKind::disconnected:
+      return ScanEventKind::disconnected;
+    case device::EventKind::slices_dropped:
+      return ScanEventKind::slices_dropped;
+    case device::EventKind::callback_threw:
+      return ScanEventKind::callback_threw;
+    case device::EventKind::device_fault:
+      return ScanEventKind::device_fault;
+    case device::EventKind::end_of_data:
+      return ScanEventKind::end_of_data;
+  }
+  return ScanEventKind::device_fault;
+}
+
+void count(const std::vector<SliceReport>& slices, SliceCounts& counts) {
+  for (const SliceReport& slice : slices) {
+    switch (slice.fate) {
+      case SliceFate::inserted:
+        ++counts.inserted;
+        break;
+      case SliceFate::explained:
+        ++counts.explained;
+        break;
+      case SliceFate::merged:
+        ++counts.merged;
+        break;
+      case SliceFate::refused:
+        ++counts.refused;
+        break;
+    }
+  }
+}
+
+}  // namespace
+
+struct ScanSession::State : std::enable_shared_from_this<State> {
+  State(const ScanOptions& scan_options, std::unique_ptr<device::Session> session, MeshMaker mesh_maker)
+      : options(scan_options),
+        device(std::move(session)),
+        maker(std::move(mesh_maker)),
+        field_device(maker.field_device()) {}
+
+  const ScanOptions options;
+  const std::unique_ptr<device::Session> device;
+  MeshMaker maker;  ///< the reconstruction thread's
+  const std::string field_device;
+
+  std::mutex life_mutex;  ///< one start or stop at a time; never taken on the reconstruction thread
+  ScanCallbacks callbacks;
+  std::jthread thread;
+
+  mutable std::mutex mutex;  ///< guards what follows; never held during a callback or a call of the device
+  std::condition_variable to_reconstruction, room;
+  struct Waiting {
+    std::deque<std::shared_ptr<const DeliveredSlice>> slices;
+    std::vector<ScanEvent> events;
+  };
+  Waiting waiting;
+  SliceCounts counts;
+  bool overflow_told = false;  ///< since the queue was last empty
+  bool stopping = false, failed = false;
+
+  Result<void> start(ScanCallbacks new_callbacks);
+  void finish_run();
+  void request_stop();
+  bool on_reconstruction_thread() const { return reconstructing == this; }
+
+  // The dispatcher's.
+  void take_in(std::shared_ptr<const DeliveredSlice> slice);
+  void take_in(const device::Event& event);
+
+  // The reconstruction thread's.
+  void reconstruct();
+  bool wait(Waiting& batch);
+  void work_off(const Waiting& batch);
+  Result<std::shared_ptr<MeshUpdate>> make(const Waiting& batch);
+  void deliver(std::shared_ptr<MeshUpdate> update);
+  void fail_for_good(const std::string& cause, std::size_t lost_slices);
+  void tell(const ScanEvent& event);
+};
+
+// ---- any thread
+
+Result<void> ScanSession::State::start(ScanCallbacks new_callbacks) {
+  if (on_reconstruction_thread())
+    return fail(ErrorCode::wrong_state, "start() was called from a callback: call it from another thread");
+  const std::lock_guard life(life_mutex);
+  {
+    const std::lock_guard lock(mutex);
+    if (failed) return fail(ErrorCode::wrong_state, "the reconstruction of this scan has failed: open a new one");
+    if (thread.joinable() && !stopping) return fail(ErrorCode::wrong_state, "the scan is running: stop() it first");
+  }
+  finish_run();
+  {
+    const std::lock_guard lock(mutex);
+    stopping = overflow_told = false;
+    waiting = {};
+  }
+  callbacks = std::move(new_callbacks);
+  thread = std::jthread([self = shared_from_this()] { self->reconstruct(); });
+  device::Callbacks from_device{[this](std::shared_ptr<const DeliveredSlice> slice) { take_in(std::move(slice)); },
+                                [this](const device::Event& event) { take_in(event); }};
+  auto started = device->start(options.stream, std::move(from_device));
+  if (!started) finish_run();
+  return started;
+}
+
+void ScanSession::State::finish_run() {
+  request_stop();
+  if (thread.joinable()) thread.join();
+}
+
+void ScanSession::State::request_stop() {
+  const std::lock_guard lock(mutex);
+  stopping = true;
+  to_reconstruction.notify_all();
+  room.notify_all();
+}
+
+// ---- the dispatcher
+
+void ScanSession::State::take_in(std::shared_ptr<const DeliveredSlice> slice) {
+  std::unique_lock lock(mutex);
+  ++counts.delivered;
+  if (options.stream.mode == device::StreamMode::lossless)
+    room.wait(lock, [&] { return stopping || waiting.slices.size() < options.queue_capacity; });
+  if (stopping) {
+    ++counts.dropped;
+    return;
+  }
+  if (waiting.slices.size() == options.queue_capacity) {
+    waiting.slices.pop_front();
+    ++counts.dropped;
+    if (!overflow_told)
+      waiting.events.push_back({ScanEventKind::slices_dropped,
+                                "slices come faster than the mesh follows and the oldest are dropped: do less in "
+                                "on_mesh, or choose a wider spacing"});
+    overflow_told = true;
+  }
+  waiting.slices.push_back(std::move(slice));
+  to_reconstruction.notify_all();
+}
+
+void ScanSession::State::take_in(const device::Event& event) {
+  const std::lock_guard lock(mutex);
+  waiting.events.push_back({scan_kind(event.kind), event.message});
+  to_reconstruction.notify_all();
+}
+
+// ---- the reconstruction thread
+
+void ScanSession::State::reconstruct() {
+  reconstructing = this;
+  for (Waiting batch; wait(batch); batch = {}) work_off(batch);
+  device->stop();
+  const std::lock_guard lock(mutex);
+  counts.dropped += waiting.slices.size();
+  waiting = {};
+}
+
+bool ScanSession::State::wait(Waiting& batch) {
+  std::unique_lock lock(mutex);
+  to_reconstruction.wait(lock, [&] { return stopping || !waiting.slices.empty() || !waiting.events.empty(); });
+  if (stopping) return false;
+  std::swap(batch, waiting);
+  overflow_told = false;
+  room.notify_all();
+  return true;
+}
+
+void ScanSession::State::work_off(const Waiting& batch) {
+  if (!batch.slices.empty()) {
+    auto made = make(batch);
+    if (!made) return fail_for_good(made.error().message, batch.slices.size());
+    deliver(std::move(*made));
+  }
+  for (const ScanEvent& event : batch.events) tell(event);
+}
+
+Result<std::shared_ptr<MeshUpdate>> ScanSession::State::make(const Waiting& batch) {
+  try {
+    const std::vector<std::shared_ptr<const DeliveredSlice>> slices(batch.slices.begin(), batch.slices.end());
+    return maker.make(slices);
+  } catch (const std::exception& e) {
+    return fail(ErrorCode::not_available, e.what());
+  }
+}
+
+void ScanSession::State::deliver(std::shared_ptr<MeshUpdate> update) {
+  {
+    const std::lock_guard lock(mutex);
+    count(update->slices, counts);
+    update->counts = counts;
+  }
+  const auto now = Clock::now();
+  for (SliceReport& slice : update->slices)
+    slice.latency_ms = std::chrono::duration<double, std::milli>(now - slice.slice->arrival).count();
+  std::string what;
+  try {
+    if (callbacks.on_mesh) callbacks.on_mesh(std::move(update));
+    return;
+  } catch (const std::exception& e) {
+    what = e.what();
+  } catch (...) {
+    what = "something that is no std::exception";
+  }
+  tell({ScanEventKind::callback_threw, "on_mesh threw: " + what + "; catch it there"});
+}
+
+void ScanSession::State::fail_for_good(const std::string& cause, std::size_t lost_slices) {
+  tell({ScanEventKind::reconstruction_failed, "the reconstruction failed: " + cause + "; open a new scan"});
+  {
+    const std::lock_guard lock(mutex);
+    failed = true;
+    counts.dropped += lost_slices;
+  }
+  request_stop();
+}
+
+void ScanSession::State::tell(const ScanEvent& event) {
+  {
+    const std::lock_guard lock(mutex);
+    if (stopping) return;  // a callback that called stop() was the last one
+  }
+  try {
+    if (callbacks.on_event) callbacks.on_event(event);
+  } catch (...) {
+    // There is nobody left to tell.
+  }
+}
+
+// ---- the session
+
+ScanSession::ScanSession(std::shared_ptr<State> state) : state_(std::move(state)) {}
+
+Result<std::unique_ptr<ScanSession>> ScanSession::open(std::unique_ptr<device::Transport> transport,
+                                                       const ScanOptions& options) {
+  if (options.queue_capacity == 0) return fail(ErrorCode::invalid_argument, "queue_capacity is 0: give at least 1");
+  auto maker = MeshMaker::create(options.reconstructor);
+  if (!maker) return tl::unexpected<Error>(maker.error());
+  auto device = device::Session::open(std::move(transport));
+  if (!device) return tl::unexpected<Error>(device.error());
+  return std::unique_ptr<ScanSession>(
+      new ScanSession(std::make_shared<State>(options, std::move(*device), std::move(*maker))));
+}
+
+ScanSession::~ScanSession() {
+  if (state_->on_reconstruction_thread()) {
+    state_->request_stop();
+    state_->thread.detach();  // it holds the state, takes the run down and ends
+  } else {
+    stop();
+  }
+}
+
+Result<void> ScanSession::start(ScanCallbacks callbacks) {
+  return state_->start(std::move(callbacks));
+}
+
+void ScanSession::stop() {
+  if (state_->on_reconstruction_thread()) return state_->request_stop();
+  const std::lock_guard life(state_->life_mutex);
+  state_->finish_run();
+}
+
+device::Ledger ScanSession::ledger() const {
+  return state_->device->ledger();
+}
+
+SliceCounts ScanSession::counts() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->counts;
+}
+
+const device::DeviceInfo& ScanSession::device_info() const {
+  return state_->device->info();
+}
+
+const std::string& ScanSession::field_device() const {
+  return state_->field_device;
+}
+
+}  // namespace sonoloft

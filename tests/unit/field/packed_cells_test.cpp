@@ -1,0 +1,126 @@
+#include "core/field/packed_cells.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <vector>
+
+#include "core/field/field_evaluator.h"
+#include "tests/support/field_cells.h"
+
+using namespace sonoloft;
+using test::FieldCell;
+
+namespace {
+
+/// A cube of 2 mm around `at`, every wall of one label: +x, -x, +y, -y, +z, -z.
+FieldCell cube(const std::array<Label, 6>& labels, const Eigen::Vector3d& at = Eigen::Vector3d::Zero()) {
+  test::Random random(1);
+  std::vector<test::Wall> walls;
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Eigen::Vector3d outward = (i % 2 == 0 ? 1 : -1) * Eigen::Vector3d::Unit(static_cast<int>(i / 2));
+    FacePolygon polygon;
+    test::add_loop(polygon, {{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}, labels[i], kBeyondFace);
+    walls.push_back(test::random_wall(random, outward, 1.0, std::move(polygon)));
+  }
+  return FieldCell(walls, at);
+}
+
+std::vector<Label> slots(const PackedCells& cells, std::uint32_t cell) {
+  return {cells.labels(cell).begin(), cells.labels(cell).end()};
+}
+
+std::vector<Label> slots(const std::array<Label, 6>& labels) {
+  const FieldCell cell = cube(labels);
+  PackedCells cells;
+  cells.add(cell.faces(), cell.centre());
+  return slots(cells, 0);
+}
+
+}  // namespace
+
+TEST_CASE("packed cells: a cell of one known label is constant") {
+  CHECK(slots({7, 7, 7, 7, 7, 7}) == std::vector<Label>{7});
+  CHECK(slots({0, 0, 0, 0, 0, 0}) == std::vector<Label>{0});
+}
+
+TEST_CASE("packed cells: a cell of which nothing is known but outside is outside") {
+  CHECK(slots({kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown}) == std::vector<Label>{0});
+  CHECK(slots({0, kUnknown, 0, kUnknown, 0, 0}) == std::vector<Label>{0});
+}
+
+TEST_CASE("packed cells: slots are the labels ascending, outside first and unknown last where something is unknown") {
+  CHECK(slots({7, 3, 7, 7, 7, 3}) == std::vector<Label>{3, 7});
+  CHECK(slots({7, 7, 7, kUnknown, 7, 7}) == std::vector<Label>{0, 7, kUnknown});
+  CHECK(slots({9, 0, 2, kUnknown, 2, 5}) == std::vector<Label>{0, 2, 5, 9, kUnknown});
+}
+
+TEST_CASE("packed cells: faces without edges are a constant cell of outside") {
+  FieldCell cell = cube({1, 2, 1, 1, 1, 1});
+  const FacePolygon empty;
+  std::vector<CellFace> faces = cell.faces();
+  for (CellFace& face : faces) face.polygon = &empty;
+  PackedCells cells;
+  cells.add(faces, cell.centre());
+  CHECK(slots(cells, 0) == std::vector<Label>{0});
+  CHECK(cells.constant(0));
+  CHECK(cells.edge_count(0) == 0);
+}
+
+TEST_CASE("packed cells: every edge of a cell that is not constant is packed once, in units of the cell's size") {
+  test::Random random(4);
+  const std::array<Label, 4> labels = {0, 1, 2, kUnknown};
+  PackedCells cells;
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const FieldCell cell(test::random_walls(random, 9, labels, 8, 50.0));
+    REQUIRE(cells.add(cell.faces(), cell.centre()) == i);
+    std::size_t edges = 0;
+    for (const test::Wall& wall : cell.walls()) edges += wall.polygon.size();
+    CHECK(cells.edge_count(i) == edges);
+    const kernels::PackedCell& packed = cells.cells()[i];
+    for (const auto& face : cells.faces().subspan(packed.first_face, packed.face_count)) {
+      CHECK(face.height > 0);
+      CHECK(face.height <= 0.5f);
+      for (const auto& run : cells.runs().subspan(face.first_run, face.run_count)) {
+        CHECK(run.left < run.right);
+        for (const auto& edge : cells.edges().subspan(run.first_edge, run.edge_count)) CHECK(std::abs(edge.x) <= 0.5f);
+      }
+    }
+  }
+  CHECK(cells.size() == 20);
+  cells.clear();
+  CHECK(cells.size() == 0);
+}
+
+TEST_CASE("field: what is unknown is shared out to outside, and its share is told") {
+  // Seen from the middle, the six walls of a cube weigh the same.
+  const FieldCell cell = cube({7, 7, 3, kUnknown, 0, kUnknown}, {1000, -2000, 500});
+  FieldBatch batch;
+  const Eigen::Vector3d middle = cell.centre();
+  batch.add_points(batch.cells.add(cell.faces(), cell.centre()), {&middle, 1});
+  REQUIRE(make_cpu_evaluator(1)->evaluate(batch));
+  REQUIRE(slots(batch.cells, 0) == std::vector<Label>{0, 3, 7, kUnknown});
+  CHECK(batch.row(0, 0)[0] == doctest::Approx(3.0 / 6).epsilon(1e-6));
+  CHECK(batch.row(0, 1)[0] == doctest::Approx(1.0 / 6).epsilon(1e-6));
+  CHECK(batch.row(0, 2)[0] == doctest::Approx(2.0 / 6).epsilon(1e-6));
+  CHECK(batch.row(0, 3)[0] == doctest::Approx(2.0 / 6).epsilon(1e-6));
+}
+
+TEST_CASE("field: a batch can be evaluated again with more points, other points, and none") {
+  const FieldCell cell = cube({7, 7, 7, 7, 0, 0});
+  FieldBatch batch;
+  const std::uint32_t index = batch.cells.add(cell.faces(), cell.centre());
+  const auto evaluator = make_cpu_evaluator(1);
+  REQUIRE(evaluator->evaluate(batch));
+  CHECK(batch.share.empty());
+  const std::vector<Eigen::Vector3d> points(33, Eigen::Vector3d(0, 0, 0));
+  CHECK(batch.add_points(index, {points.data(), 1}) == 0);
+  CHECK(batch.add_points(index, points) == 1);
+  REQUIRE(evaluator->evaluate(batch));
+  CHECK(batch.row(1, 1).size() == 33);
+  for (const float share : batch.row(1, 1)) CHECK(share == doctest::Approx(4.0 / 6).epsilon(1e-6));
+  batch.clear_points();
+  CHECK(batch.add_points(index, {points.data(), 1}) == 0);
+  REQUIRE(evaluator->evaluate(batch));
+  CHECK(batch.row(0, 0)[0] == doctest::Approx(2.0 / 6).epsilon(1e-6));
+}

@@ -1,0 +1,112 @@
+#include "tests/unit/house/include_rules.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <sstream>
+
+namespace sonoloft::house {
+namespace {
+
+using Rooms = std::vector<std::string_view>;
+
+bool lies_in(std::string_view path, const Rooms& rooms) {
+  return std::any_of(rooms.begin(), rooms.end(), [&](std::string_view room) { return path.starts_with(room); });
+}
+
+/// Who may include which rooms. The first row that fits a file counts.
+struct Row {
+  std::string_view room;
+  Rooms may_include;
+};
+
+const std::vector<Row>& table() {
+  static const std::vector<Row> rows{
+      {"protocol/", {"protocol/"}},
+      {"device_sim/", {"device_sim/", "protocol/"}},
+      {"core/slice/", {"core/slice/"}},
+      {"core/", {"core/"}},
+      {"host/device/", {"host/device/", "protocol/", "core/slice/"}},
+      {"host/scan/", {"host/scan/", "host/device/", "core/"}},
+      {"host/c_api/", {"host/c_api/", "host/scan/", "host/device/", "core/"}},
+      {"host/apps/", {"host/", "core/", "protocol/", "device_sim/"}},
+      {"tests/", {"tests/", "host/", "core/", "protocol/", "device_sim/"}},
+  };
+  return rows;
+}
+
+/// Libraries that only some rooms know.
+struct Guest {
+  Rooms headers;
+  Rooms at_home_in;
+  std::string_view why;
+};
+
+const std::vector<Guest>& guests() {
+  static const std::vector<Guest> all{
+      {{"CGAL/"}, {"core/cells/", "core/offline/", "tests/"}, "CGAL is named only in core/cells and core/offline"},
+      {{"CL/"}, {"core/gpu/", "tests/"}, "OpenCL is named only in core/gpu"},
+      {{"libusb"}, {"host/device/usb/"}, "libusb is named only in host/device/usb"},
+  };
+  return all;
+}
+
+}  // namespace
+
+std::vector<Include> includes_of(std::string_view text) {
+  std::vector<Include> found;
+  std::istringstream lines{std::string(text)};
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::istringstream rest(line);
+    char hash = 0, open = 0;
+    std::string word, target;
+    if (!(rest >> hash) || hash != '#') continue;
+    for (rest >> std::ws; std::isalpha(rest.peek()) != 0;) word += static_cast<char>(rest.get());
+    if (word != "include" || !(rest >> open) || (open != '<' && open != '"')) continue;
+    std::getline(rest, target, open == '<' ? '>' : '"');
+    found.push_back({number, target, open == '<'});
+  }
+  return found;
+}
+
+std::optional<std::string> complaint(std::string_view file, const Include& include) {
+  static const Rooms kRooms{"protocol/", "device_sim/", "core/", "host/", "tests/"};
+  static constexpr std::array<std::string_view, 5> kNotOnTheWire{"vector", "string", "memory", "thread", "iostream"};
+  const auto row = std::find_if(table().begin(), table().end(), [&](const Row& r) { return file.starts_with(r.room); });
+  if (row == table().end()) return "a source file that lies in no room";
+  if (lies_in(include.target, kRooms) && !lies_in(include.target, row->may_include)) {
+    return std::string(row->room) + " may not include " + include.target;
+  }
+  for (const Guest& guest : guests()) {
+    if (lies_in(include.target, guest.headers) && !lies_in(file, guest.at_home_in)) return std::string(guest.why);
+  }
+  if (row->room == "protocol/" && include.angled &&
+      std::find(kNotOnTheWire.begin(), kNotOnTheWire.end(), include.target) != kNotOnTheWire.end()) {
+    return "protocol/ compiles for a microcontroller: no <" + include.target + ">";
+  }
+  if (include.target.starts_with("../") || include.target.starts_with("./")) return "includes start at the root";
+  return std::nullopt;
+}
+
+std::optional<std::string> complaint_in_public(const Include& include) {
+  const bool standard = include.target.find_first_of("/.") == std::string::npos;
+  const bool welcome = include.target.starts_with("Eigen/") || include.target == "tl/expected.hpp";
+  if (!include.angled || standard || welcome) return std::nullopt;
+  return "a public header names no third party but Eigen: not <" + include.target + ">";
+}
+
+std::vector<std::string> public_headers(std::string_view cmake_lists) {
+  std::vector<std::string> headers;
+  std::string text(cmake_lists);
+  std::replace(text.begin(), text.end(), ')', ' ');
+  std::istringstream words(text);
+  bool listing = false;
+  for (std::string word; words >> word;) {
+    listing = word == "HEADERS" || (listing && word.ends_with(".h"));
+    if (listing && word != "HEADERS") headers.push_back(word);
+  }
+  return headers;
+}
+
+}  // namespace sonoloft::house

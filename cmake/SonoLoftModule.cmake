@@ -23,7 +23,8 @@ target_compile_options(sonoloft_flags INTERFACE
   # The same expression must round the same wherever the compiler puts it (chunk borders, batch and online runs).
   -ffp-contract=off)
 if(SONOLOFT_SANITIZE)
-  target_compile_options(sonoloft_flags INTERFACE -fsanitize=${SONOLOFT_SANITIZE} -fno-omit-frame-pointer)
+  target_compile_options(sonoloft_flags INTERFACE -fsanitize=${SONOLOFT_SANITIZE} -fno-omit-frame-pointer
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)  # g++ 12 warns of what instrumentation adds
   target_link_options(sonoloft_flags INTERFACE -fsanitize=${SONOLOFT_SANITIZE})
 endif()
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
+#include <limits>
 
 namespace sonoloft {
 namespace {
@@ -13,11 +13,14 @@ constexpr int kBlock = kSide * kSide * kSide;
 constexpr int kStep[3] = {1, kSide, kSide* kSide};
 constexpr float kStrength = 0.25f;
 
-constexpr int block_index(int x, int y, int z) {
-  return (x + kReach) + kSide * ((y + kReach) + kSide * (z + kReach));
+/// A value for each sample of the brick and of the two layers around it.
+using Block = std::array<float, kBlock>;
+
+constexpr std::size_t block_index(int x, int y, int z) {
+  return static_cast<std::size_t>((x + kReach) + kSide * ((y + kReach) + kSide * (z + kReach)));
 }
 
-/// The brick and the two layers of samples around it.
+/// The brick and the 26 around it.
 class Neighbourhood {
  public:
   Neighbourhood(const BrickPool& bricks, const WorkBrick& middle) {
@@ -37,91 +40,97 @@ class Neighbourhood {
     return all;
   }
 
-  void gather_sampled(std::array<bool, kBlock>& out) const {
-    visit([&](int at, const WorkBrick* brick, int index) {
-      out[static_cast<std::size_t>(at)] = brick != nullptr && brick->sampled.test(index);
+  /// 1 where a sample was taken, else 0.
+  void gather_sampled(Block& out) const {
+    for_rows([&](std::size_t brick, int first, int count, int y, int z, std::size_t to) {
+      for (int x = first; x < first + count; ++x, ++to)
+        out[to] = around_[brick] != nullptr && around_[brick]->sampled.test(sample_index(x, y, z)) ? 1.0f : 0.0f;
     });
   }
 
-  void gather_share(Label label, std::array<float, kBlock>& out) const {
+  void gather_share(Label label, Block& out) const {
     std::array<const float*, 27> rows;
     for (std::size_t i = 0; i < 27; ++i) rows[i] = around_[i] == nullptr ? nullptr : around_[i]->shares.find(label);
-    for (int z = -kReach; z < kBrickSize + kReach; ++z)
-      for (int y = -kReach; y < kBrickSize + kReach; ++y)
-        for (int x = -kReach; x < kBrickSize + kReach; ++x) {
-          const float* row = rows[static_cast<std::size_t>(slot(x, y, z))];
-          out[static_cast<std::size_t>(block_index(x, y, z))] =
-              row == nullptr ? 0.0f : row[sample_index(x & 7, y & 7, z & 7)];
-        }
+    for_rows([&](std::size_t brick, int first, int count, int y, int z, std::size_t to) {
+      if (rows[brick] == nullptr)
+        std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(to), count, 0.0f);
+      else
+        std::copy_n(rows[brick] + sample_index(first, y, z), count, out.begin() + static_cast<std::ptrdiff_t>(to));
+    });
   }
 
  private:
-  static int slot(int x, int y, int z) { return (x >> 3) + 1 + 3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1); }
-
+  /// Calls visit(brick of around_, first x, count, y, z in it, index in the block) for each piece of each row.
   template <class Visit>
-  void visit(Visit visit_sample) const {
+  static void for_rows(Visit visit) {
     for (int z = -kReach; z < kBrickSize + kReach; ++z)
-      for (int y = -kReach; y < kBrickSize + kReach; ++y)
-        for (int x = -kReach; x < kBrickSize + kReach; ++x)
-          visit_sample(block_index(x, y, z), around_[static_cast<std::size_t>(slot(x, y, z))],
-                       sample_index(x & 7, y & 7, z & 7));
+      for (int y = -kReach; y < kBrickSize + kReach; ++y) {
+        const auto brick = static_cast<std::size_t>(3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1));
+        visit(brick, kBrickSize - kReach, kReach, y & 7, z & 7, block_index(-kReach, y, z));
+        visit(brick + 1, 0, kBrickSize, y & 7, z & 7, block_index(0, y, z));
+        visit(brick + 2, 0, kReach, y & 7, z & 7, block_index(kBrickSize, y, z));
+      }
   }
 
   std::array<const WorkBrick*, 27> around_;
 };
 
-float laplacian(const std::array<float, kBlock>& f, int at) {
-  float sum = 0.0f;
-  for (const int step : kStep) sum += f[static_cast<std::size_t>(at - step)] + f[static_cast<std::size_t>(at + step)];
-  return sum / 6.0f - f[static_cast<std::size_t>(at)];
+/// 1 for the samples, one step outside of the brick at most, whose eight finest cells are sampled. Only these may
+/// change: an edge that a change makes mixed then has its four cells.
+Block find_inner(const Block& sampled) {
+  Block inner = sampled;
+  for (const int step : kStep) {
+    const Block before = inner;
+    const auto s = static_cast<std::size_t>(step);
+    for (std::size_t at = s; at < kBlock - s; ++at) inner[at] = before[at] * before[at - s] * before[at + s];
+  }
+  return inner;
 }
 
-/// The samples, one step outside of the brick at most, whose eight finest cells are sampled. Only these may change: an
-/// edge that a change makes mixed then has its four cells.
-void find_inner(const std::array<bool, kBlock>& sampled, std::array<bool, kBlock>& inner) {
-  inner = sampled;
-  for (const int step : kStep) {
-    const std::array<bool, kBlock> before = inner;
-    for (int at = step; at < kBlock - step; ++at)
-      inner[static_cast<std::size_t>(at)] = before[static_cast<std::size_t>(at)] &&
-                                            before[static_cast<std::size_t>(at - step)] &&
-                                            before[static_cast<std::size_t>(at + step)];
-  }
+float laplacian(const Block& f, std::size_t at) {
+  const float sum =
+      f[at - kStep[0]] + f[at + kStep[0]] + f[at - kStep[1]] + f[at + kStep[1]] + f[at - kStep[2]] + f[at + kStep[2]];
+  return sum * (1.0f / 6.0f) - f[at];
 }
 
 }  // namespace
 
 bool smooth_brick(const BrickPool& bricks, WorkBrick& brick) {
   const Neighbourhood around(bricks, brick);
-  std::array<bool, kBlock> sampled;
-  std::array<bool, kBlock> inner;
+  Block sampled;
   around.gather_sampled(sampled);
-  find_inner(sampled, inner);
+  const Block inner = find_inner(sampled);
+  std::array<float, kBrickSamples> strength;  // of smoothing, sample by sample
+  std::array<float, kBrickSamples> best;
+  for (int i = 0; i < kBrickSamples; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const std::size_t block = block_index(i & 7, (i >> 3) & 7, i >> 6);
+    strength[at] = brick.pinned.test(i) ? 0.0f : kStrength * inner[block];
+    best[at] = sampled[block] > 0.0f ? -2.0f : std::numeric_limits<float>::infinity();
+  }
 
   Brick result;
   result.coord = brick.coord;
   result.palette = around.labels();
   result.share.resize(result.palette.size() * kBrickSamples);
   result.label.fill(kNotSampled);
-  std::array<float, kBrickSamples> best;
-  best.fill(-2.0f);
-  std::array<float, kBlock> f;
-  std::array<float, kBlock> lf;
+  Block f;
+  Block lf;
   for (std::size_t row = 0; row < result.palette.size(); ++row) {
     around.gather_share(result.palette[row], f);
-    for (int at = kStep[2]; at < kBlock - kStep[2]; ++at)  // of the outermost layer nothing is used
-      lf[static_cast<std::size_t>(at)] = inner[static_cast<std::size_t>(at)] ? laplacian(f, at) : 0.0f;
+    for (std::size_t at = kStep[2]; at < kBlock - kStep[2]; ++at)  // nothing is used of the outermost layer
+      lf[at] = inner[at] * laplacian(f, at);
     float* out = result.share.data() + row * kBrickSamples;
-    for (int i = 0; i < kBrickSamples; ++i) {
-      if (!brick.sampled.test(i)) continue;
-      const int at = block_index(i & 7, (i >> 3) & 7, i >> 6);
-      const bool free = inner[static_cast<std::size_t>(at)] && !brick.pinned.test(i);
-      out[i] = f[static_cast<std::size_t>(at)] - (free ? kStrength * laplacian(lf, at) : 0.0f);
-      if (out[i] > best[static_cast<std::size_t>(i)]) {
-        best[static_cast<std::size_t>(i)] = out[i];
-        result.label[static_cast<std::size_t>(i)] = result.palette[row];
-      }
+    for (std::size_t i = 0; i < kBrickSamples; i += kBrickSize) {
+      const std::size_t block = block_index(0, static_cast<int>(i >> 3 & 7), static_cast<int>(i >> 6));
+      for (std::size_t x = 0; x < kBrickSize; ++x)
+        out[i + x] = sampled[block + x] * (f[block + x] - strength[i + x] * laplacian(lf, block + x));
     }
+    for (std::size_t i = 0; i < kBrickSamples; ++i)
+      if (out[i] > best[i]) {
+        best[i] = out[i];
+        result.label[i] = result.palette[row];
+      }
   }
   const bool changed = result.label != brick.smooth.label || result.palette != brick.smooth.palette ||
                        result.share != brick.smooth.share;

@@ -108,10 +108,8 @@ PhantomSection MeshPhantom::section(const Eigen::Isometry3d& plane_to_reference)
   const double offset = reference_to_plane.translation().z();
   for (std::size_t v = 0; v < positions_.size(); ++v) height[v] = normal.dot(positions_[v]) + offset;
   const auto above = [&](std::uint32_t half_edge) { return height[vertex(triangles_, half_edge)] >= 0; };
-  // The same from both of its triangles: always from below to above.
-  const auto crossing = [&](std::uint32_t half_edge) -> Eigen::Vector2d {
-    std::uint32_t low = vertex(triangles_, half_edge), high = vertex(triangles_, next_corner(half_edge));
-    if (height[low] >= 0) std::swap(low, high);
+  const auto climb = [&](std::uint32_t half_edge) -> Eigen::Vector2d {
+    const std::uint32_t low = vertex(triangles_, half_edge), high = vertex(triangles_, next_corner(half_edge));
     const double t = height[low] / (height[low] - height[high]);
     return (reference_to_plane * (positions_[low] + t * (positions_[high] - positions_[low]))).head<2>();
   };
@@ -128,7 +126,7 @@ PhantomSection MeshPhantom::section(const Eigen::Isometry3d& plane_to_reference)
       seen[at] = 1;
       std::uint32_t leave = 3 * at;
       while (above(leave) || !above(next_corner(leave))) ++leave;
-      const Eigen::Vector2d p = crossing(leave);
+      const Eigen::Vector2d p = climb(leave);
       if (section.points.size() == first || p != section.points.back()) section.points.push_back(p);
       at = twins_[leave] / 3;
     }

@@ -57,13 +57,15 @@ TEST_CASE("trajectories: every sweep has its number of slices, looks at the box 
                {"fan", fan_sweep(kBox, options), 8},
                {"rotation", rotation_sweep(kBox, options), 4},
                {"freehand", freehand_sweep(kBox, options, Hand{}), 20}};
-  for (const auto& [name, trajectory, gap_mm] : cases) {
+  for (const auto& c : cases) {
+    const std::string& name = c.name;
+    const Trajectory& trajectory = c.trajectory;
     INFO(name);
     CHECK(trajectory.size() == 60);
     CHECK(all_rigid(trajectory));
     const double gap = widest_gap(trajectory);
     MESSAGE(name << ": no point of the box is farther than " << gap << " mm from a plane");
-    CHECK(gap <= gap_mm);
+    CHECK(gap <= c.gap_mm);
     for (const Eigen::Isometry3d& pose : trajectory) {
       const auto corners = box_section(kBox, pose);
       CHECK(!corners.empty());

@@ -1,7 +1,6 @@
 #include "core/field/packed_cells.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <tuple>
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/io/mesh_files.h"
@@ -7,6 +8,10 @@ namespace sonoloft {
 
 std::array<std::uint8_t, 3> label_colour(Label label) {
   if (label == kOutside || label > kMaxLabel) return {128, 128, 128};
+  // The few labels that most scans have, by hand: soft enough to be looked at, far apart also without green or red.
+  constexpr std::array<std::array<std::uint8_t, 3>, 5> kFirst = {
+      {{205, 98, 80}, {72, 130, 190}, {235, 185, 75}, {98, 170, 110}, {150, 110, 185}}};
+  if (label <= kFirst.size()) return kFirst[label - 1u];
   // 100 hues in far steps, in three lightnesses and two saturations: 300 colours before one comes again.
   constexpr double kLight[] = {1.0, 0.6, 0.8}, kGrey[] = {0.1, 0.45};
   const double hue = std::fmod(label * 0.29, 1.0) * 6, light = kLight[label % 3], grey = kGrey[label % 2];

@@ -4,7 +4,7 @@
 //   all_lanes(mask)                  whether it holds in every lane
 //   square_root(a), magnitude(a), splat(f), load(address), store(a, address), multiply_add(a, b, c) = a * b + c
 //   SONOLOFT_FUNCTION, SONOLOFT_GLOBAL   how a function is declared; the address space of the buffers
-// Formulas: docs/pipeline/3-field.md.
+// Formulas: docs/pipeline/4-field.md.
 
 typedef struct FieldBuffers {
   SONOLOFT_GLOBAL const PackedCell* cells;

@@ -10,11 +10,6 @@ namespace {
 
 __extension__ typedef __int128 Int128;
 
-struct Cut {
-  std::uint32_t segment;
-  GridPoint at;
-};
-
 /// The distinct segments of a sorted list: segment i is that of the records first[i] up to first[i + 1].
 struct Distinct {
   std::vector<GridSegment> segments;
@@ -38,10 +33,6 @@ Distinct distinct(const std::vector<OwnedSegment>& records) {
 bool inside_box(const GridSegment& s, GridPoint p) {
   const auto [low, high] = std::minmax(s.a.y, s.b.y);
   return s.a.x <= p.x && p.x <= s.b.x && low <= p.y && p.y <= high && p != s.a && p != s.b;
-}
-
-bool on_interior(const GridSegment& s, GridPoint p) {
-  return inside_box(s, p) && orient(s.a, s.b, p) == 0;
 }
 
 /// Does the segment, other than with its own ends, meet the pixel [x - 1/2, x + 1/2) x [y - 1/2, y + 1/2) of p?
@@ -74,61 +65,87 @@ GridPoint crossing_pixel(const GridSegment& s, const GridSegment& t) {
   return {along(t.a.x, t.b.x), along(t.a.y, t.b.y)};
 }
 
+struct Cut {
+  std::uint32_t segment;
+  GridPoint at;
+};
+
+/// Where segments are to be cut.
+class Cuts {
+ public:
+  explicit Cuts(const Distinct& in) : in_(in) {}
+
+  void add_if_met(std::uint32_t segment, GridPoint p) {
+    if (!meets_pixel(in_.segments[segment], p)) return;
+    list_.push_back({segment, p});
+    added_pieces_ += in_.first[segment + 1] - in_.first[segment];  // one for each owner
+  }
+  bool within_limit() const { return added_pieces_ <= kMaxAddedPieces; }
+  bool empty() const { return list_.empty(); }
+
+  /// The cuts of every segment, one segment after the other, in the order in which it meets them: by x, then by y
+  /// upwards or downwards as the segment goes.
+  const std::vector<Cut>& sorted() {
+    const auto key = [&](const Cut& c) {
+      const GridSegment& s = in_.segments[c.segment];
+      return std::tuple(c.segment, c.at.x, s.b.y >= s.a.y ? c.at.y : -c.at.y);
+    };
+    std::sort(list_.begin(), list_.end(), [&](const Cut& c, const Cut& d) { return key(c) < key(d); });
+    return list_;
+  }
+
+ private:
+  const Distinct& in_;
+  std::vector<Cut> list_;
+  std::size_t added_pieces_ = 0;
+};
+
+struct Crossing {
+  GridPoint at;
+  bool counts;
+};
+
 /// Ends of segments in the pixels that other segments meet, and the pixels in which segments cross.
-bool find_meetings(const Distinct& in, const SegmentTree& tree, std::vector<Cut>& cuts,
-                   std::vector<std::pair<GridPoint, bool>>& crossings, const auto& counted) {
+/// @returns false when a limit was met
+bool find_meetings(const Distinct& in, const SegmentTree& tree, Cuts& cuts, std::vector<Crossing>& crossings,
+                   const auto& counted) {
   return tree.visit_pairs(kMaxBoxTests, [&](std::uint32_t i, std::uint32_t j) {
     const GridSegment &s = in.segments[i], &t = in.segments[j];
-    for (const GridPoint p : {t.a, t.b})
-      if (meets_pixel(s, p)) cuts.push_back({i, p});
-    for (const GridPoint p : {s.a, s.b})
-      if (meets_pixel(t, p)) cuts.push_back({j, p});
-    if (cross_properly(s, t)) crossings.emplace_back(crossing_pixel(s, t), counted(i) && counted(j));
-    return cuts.size() <= kMaxCuts && crossings.size() <= kMaxCrossings;
+    for (const GridPoint p : {t.a, t.b}) cuts.add_if_met(i, p);
+    for (const GridPoint p : {s.a, s.b}) cuts.add_if_met(j, p);
+    if (cross_properly(s, t)) crossings.push_back({crossing_pixel(s, t), counted(i) && counted(j)});
+    return cuts.within_limit() && crossings.size() <= kMaxCrossings;
   });
 }
 
-/// Every segment goes through the middle of every pixel that it meets and that holds an end or a crossing: then no
-/// segment has moved across an end, and no two cross (Hobby's theorem).
-bool find_snapping_cuts(const Distinct& in, std::vector<Cut>& cuts, std::uint32_t& crossing_count,
-                        const auto& counted) {
+/// Every segment is to go through the middle of every pixel that it meets and that holds an end or a crossing. Then no
+/// segment has moved across an end, and no two cross (Hobby's theorem). Nor does a piece from one middle to the next go
+/// through a third one: each of its points is within half a step, in x and in y, of a point of the segment that it came
+/// from, which so would have met the third one's pixel.
+/// @returns false when a limit was met
+bool find_cuts(const Distinct& in, Cuts& cuts, std::uint32_t& crossing_count, const auto& counted) {
   const SegmentTree tree(in.segments);
-  std::vector<std::pair<GridPoint, bool>> crossings;
+  std::vector<Crossing> crossings;
   if (!find_meetings(in, tree, cuts, crossings, counted)) return false;
-  std::sort(crossings.begin(), crossings.end(), std::greater<>());  // of one point, those that count come first
-  const auto same_point = [](const auto& p, const auto& q) { return p.first == q.first; };
+  std::sort(crossings.begin(), crossings.end(), [](const Crossing& c, const Crossing& d) {
+    return std::tuple(c.at, d.counts) < std::tuple(d.at, c.counts);  // of one point, those that count come first
+  });
+  const auto same_point = [](const Crossing& c, const Crossing& d) { return c.at == d.at; };
   crossings.erase(std::unique(crossings.begin(), crossings.end(), same_point), crossings.end());
-  for (const auto& [point, counts] : crossings) {
-    crossing_count += counts;
-    const bool within_limit = tree.visit_containing(point, [&, at = point](std::uint32_t i) {
-      if (meets_pixel(in.segments[i], at)) cuts.push_back({i, at});
-      return cuts.size() <= kMaxCuts;
+  for (const Crossing& crossing : crossings) {
+    crossing_count += crossing.counts;
+    const bool within_limit = tree.visit_containing(crossing.at, [&](std::uint32_t i) {
+      cuts.add_if_met(i, crossing.at);
+      return cuts.within_limit();
     });
     if (!within_limit) return false;
   }
   return true;
 }
 
-/// Snapping may lay a segment exactly through the middle of a pixel that it did not meet before.
-bool find_touching_cuts(const Distinct& in, std::vector<Cut>& cuts) {
-  return SegmentTree(in.segments).visit_pairs(kMaxBoxTests, [&](std::uint32_t i, std::uint32_t j) {
-    const GridSegment &s = in.segments[i], &t = in.segments[j];
-    for (const GridPoint p : {t.a, t.b})
-      if (on_interior(s, p)) cuts.push_back({i, p});
-    for (const GridPoint p : {s.a, s.b})
-      if (on_interior(t, p)) cuts.push_back({j, p});
-    return cuts.size() <= kMaxCuts;
-  });
-}
-
 /// Replaces every cut segment by the chain through its cuts, for each of its owners.
-void apply(std::vector<Cut> cuts, const Distinct& in, std::vector<OwnedSegment>& records) {
-  // The order in which a segment meets pixels is that of x, then y upwards or downwards as the segment goes.
-  const auto key = [&](const Cut& c) {
-    const GridSegment& s = in.segments[c.segment];
-    return std::tuple(c.segment, c.at.x, s.b.y >= s.a.y ? c.at.y : -c.at.y);
-  };
-  std::sort(cuts.begin(), cuts.end(), [&](const Cut& c, const Cut& d) { return key(c) < key(d); });
+std::vector<OwnedSegment> pieces_of(const std::vector<OwnedSegment>& records, const Distinct& in,
+                                    const std::vector<Cut>& cuts) {
   std::vector<OwnedSegment> pieces;
   pieces.reserve(records.size() + cuts.size());
   std::size_t next = 0;
@@ -143,8 +160,7 @@ void apply(std::vector<Cut> cuts, const Distinct& in, std::vector<OwnedSegment>&
     for (; next < cuts.size() && cuts[next].segment == i; ++next) add_piece(cuts[next].at);
     add_piece(in.segments[i].b);
   }
-  records = std::move(pieces);
-  cancel_pairs(records);
+  return pieces;
 }
 
 }  // namespace
@@ -163,18 +179,13 @@ void cancel_pairs(std::vector<OwnedSegment>& segments) {
 
 SplitResult split_at_crossings(std::vector<OwnedSegment>& segments, std::uint32_t uncounted_owner) {
   SplitResult result;
-  std::vector<Cut> cuts;
-  Distinct in = distinct(segments);
+  const Distinct in = distinct(segments);
+  Cuts cuts(in);
   const auto counted = [&](std::uint32_t i) { return segments[in.first[i]].owner != uncounted_owner; };
-  result.too_tangled = !find_snapping_cuts(in, cuts, result.crossings, counted);
+  result.too_tangled = !find_cuts(in, cuts, result.crossings, counted);
   if (result.too_tangled || cuts.empty()) return result;
-  apply(std::move(cuts), in, segments);
-
-  in = distinct(segments);
-  std::vector<Cut> touches;
-  result.too_tangled = !find_touching_cuts(in, touches);
-  if (result.too_tangled || touches.empty()) return result;
-  apply(std::move(touches), in, segments);
+  segments = pieces_of(segments, in, cuts.sorted());
+  cancel_pairs(segments);
   return result;
 }
 

@@ -28,7 +28,7 @@ struct OwnedSegment {
 /// across each other); they keep the time within seconds and the memory within some 100 MB.
 inline constexpr std::uint64_t kMaxBoxTests = 1ull << 27;
 inline constexpr std::size_t kMaxCrossings = std::size_t{1} << 18;
-inline constexpr std::size_t kMaxCuts = std::size_t{1} << 21;
+inline constexpr std::size_t kMaxAddedPieces = std::size_t{1} << 19;  ///< counted for each owner
 
 /// Sorts segments and removes what an owner holds an even number of times: it does not bound what that owner encloses.
 void cancel_pairs(std::vector<OwnedSegment>& segments);

@@ -69,19 +69,20 @@ inline device_sim::SliceSource ball_source(std::uint32_t count, bool endless = f
   };
 }
 
-/// Coarse, and every slice counts.
+/// Coarse; every slice counts, and few share an update.
 inline ScanOptions ball_scan_options() {
   ScanOptions options;
   options.reconstructor.box = {Eigen::Vector3d::Constant(-60), Eigen::Vector3d::Constant(60)};
   options.reconstructor.spacing_mm = 2;
   options.reconstructor.device = DeviceChoice::cpu;
   options.stream.mode = device::StreamMode::lossless;
+  options.queue_capacity = 2;
   return options;
 }
 
 inline std::unique_ptr<ScanSession> open_scan(protocol::Port& port, const ScanOptions& options = ball_scan_options()) {
   auto scan = ScanSession::open(std::make_unique<device::LoopbackTransport>(port), options);
-  REQUIRE_MESSAGE(scan.has_value(), scan.error().message);
+  if (!scan) FAIL(scan.error().message);
   return std::move(*scan);
 }
 

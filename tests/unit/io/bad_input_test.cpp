@@ -186,6 +186,12 @@ std::vector<Case> slice_cases() {
             }),
       slice("a contour that crosses itself", "6 edges, 1 crossings",
             [](TrackedSlice& s) { std::swap(s.points[2], s.points[3]); }),
+      slice("2^14 equal contours, crossed 100,000 times", "too_large",
+            [](TrackedSlice& s) {
+              s.contours.resize(kMaxSliceContours, s.contours[0]);
+              s.contours.back() = {4, 100000, 2, false};
+              for (int k = 0; k < 100000; ++k) s.points.emplace_back(4e-5 * k, k % 2 ? -1 : 1);
+            }),
       slice("long strokes that all cross each other", "too_large",
             [](TrackedSlice& s) {
               s.points.clear();

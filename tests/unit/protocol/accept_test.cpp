@@ -77,8 +77,8 @@ struct Case {
 
 const Case kCases[] = {
     {"nothing", Reject::length, [](Bytes& r) { r.clear(); }},
-    {"half a header", Reject::length, [](Bytes& r) { r.resize(32); }},
-    {"one byte less than header and trailer", Reject::length, [](Bytes& r) { r.resize(79); }},
+    {"half a header", Reject::length, [](Bytes& r) { r.erase(r.begin() + 32, r.end()); }},
+    {"one byte less than header and trailer", Reject::length, [](Bytes& r) { r.erase(r.begin() + 79, r.end()); }},
     {"longer than max_record", Reject::length, [](Bytes& r) { r.resize((1u << 20) + 1); }},
     {"another magic", Reject::magic, [](Bytes& r) { edit_header(r, [](auto& h) { h.magic ^= 0x20; }); }},
     {"a header sum that is wrong", Reject::header_crc, [](Bytes& r) { r[60] ^= std::byte{1}; }},
@@ -88,8 +88,8 @@ const Case kCases[] = {
     {"an unknown incompatible feature", Reject::version,
      [](Bytes& r) { edit_header(r, [](auto& h) { h.incompat = 0x80; }); }},
     {"another schema", Reject::version, [](Bytes& r) { edit_header(r, [](auto& h) { h.schema_hash ^= 1; }); }},
-    {"a transfer cut short", Reject::lengths, [](Bytes& r) { r.resize(r.size() - 16); }},
-    {"a transfer with a tail", Reject::lengths, [](Bytes& r) { r.resize(r.size() + 1); }},
+    {"a transfer cut short", Reject::lengths, [](Bytes& r) { r.erase(r.end() - 16, r.end()); }},
+    {"a transfer with a tail", Reject::lengths, [](Bytes& r) { r.push_back(std::byte{0}); }},
     {"a header shorter than a header", Reject::lengths,
      [](Bytes& r) { edit_header(r, [](auto& h) { h.header_len = 48; }); }},
     {"a header length between the steps", Reject::lengths,
@@ -168,7 +168,7 @@ TEST_CASE("accept: earlier checks come first when several things are wrong") {
   expect(Reject::version, [](Bytes& r) { edit_header(r, [](auto& h) { h.major = 9; }); });
   expect(Reject::header_crc, [](Bytes& r) { r[63] ^= std::byte{1}; });
   expect(Reject::magic, [](Bytes& r) { r[0] ^= std::byte{1}; });
-  expect(Reject::length, [](Bytes& r) { r.resize(10); });
+  expect(Reject::length, [](Bytes& r) { r.erase(r.begin() + 10, r.end()); });
 }
 
 TEST_CASE("accept: no bit can be flipped anywhere without being noticed") {

@@ -2,8 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <future>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "tests/support/ball_scan.h"
 
@@ -26,13 +28,21 @@ void wait_for_delivered(const ScanSession& scan, std::uint64_t count) {
 }  // namespace
 
 TEST_CASE("callbacks: a slow one gets the latest mesh next, and what it missed is counted") {
-  device_sim::LoopbackDevice device(ball_device_options(), ball_source(kSlices));
+  std::promise<void> first_call;
+  const auto after_first = [called = first_call.get_future().share()](std::uint32_t i, OwnedWireSlice&) {
+    if (i == 1) called.wait();
+  };
+  device_sim::LoopbackDevice device(ball_device_options(), ball_source(kSlices, false, after_first));
   std::unique_ptr<ScanSession> scan;
   bool first = true;
   ScanInbox inbox([&](const MeshUpdate&) {
-    if (std::exchange(first, false)) wait_for_delivered(*scan, kSlices);
+    if (!std::exchange(first, false)) return;
+    first_call.set_value();
+    wait_for_delivered(*scan, kSlices);
   });
-  scan = open_scan(device.port());
+  auto options = ball_scan_options();
+  options.queue_capacity = kSlices;
+  scan = open_scan(device.port(), options);
   REQUIRE(scan->start(inbox.callbacks()));
   REQUIRE(inbox.wait_for(ScanEventKind::end_of_data));
   scan->stop();
@@ -40,7 +50,8 @@ TEST_CASE("callbacks: a slow one gets the latest mesh next, and what it missed i
   const auto updates = inbox.updates();
   REQUIRE(updates.size() == 2);
   CHECK(updates[1]->revision == kSlices);
-  CHECK(updates[1]->slices.size() == kSlices - updates[0]->slices.size());
+  CHECK(updates[0]->slices.size() == 1);
+  CHECK(updates[1]->slices.size() == kSlices - 1);
   CHECK(updates[1]->skipped_revisions == kSlices - 2);
   CHECK(updates[1]->counts.dropped == 0);
 }
@@ -54,8 +65,8 @@ TEST_CASE("callbacks: of a live scan the oldest slices give way to newer ones, a
   device_sim::LoopbackDevice device(device_options, ball_source(kSlices, true));
   std::unique_ptr<ScanSession> scan;
   std::size_t calls = 0;
-  ScanInbox inbox([&](const MeshUpdate& update) {
-    if (++calls == 1) wait_for_delivered(*scan, update.revision + 20);
+  ScanInbox inbox([&](const MeshUpdate&) {
+    if (++calls == 1) wait_for_delivered(*scan, scan->counts().delivered + 20);
     if (calls == 2) scan->stop();
   });
   scan = open_scan(device.port(), options);

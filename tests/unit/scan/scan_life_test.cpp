@@ -1,6 +1,7 @@
 // How a scan begins and ends.
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <future>
 #include <thread>
 
@@ -129,14 +130,15 @@ TEST_CASE("life: a run that cannot start leaves the scan stopped") {
 
 TEST_CASE("life: a second run goes on with the mesh of the first") {
   device_sim::LoopbackDevice device(ball_device_options(), ball_source(kSlices, true));
-  ScanInbox first, second;
-  const auto scan = open_scan(device.port());
+  std::unique_ptr<ScanSession> scan;
+  ScanInbox first([&](const MeshUpdate&) { scan->stop(); }), second;  // with at most three of the slices
+  scan = open_scan(device.port());
   REQUIRE(scan->start(first.callbacks()));
-  REQUIRE(first.wait_for_updates(2));
+  REQUIRE(first.wait_for_updates(1));
   scan->stop();
   const auto before = first.updates().back();
   REQUIRE(scan->start(second.callbacks()));
-  REQUIRE(second.wait_for_updates(2));
+  REQUIRE(second.wait_for_updates(4));
   scan->stop();
   const auto after = second.updates();
   CHECK(after.front()->revision == before->revision + after.front()->slices.size());

@@ -141,7 +141,7 @@ struct Item {
   Label front = kOutside, back = 1;
 };
 
-void read_property(const Property& property, Body& body, const TextScanner& in, Item& item) {
+void read_value(const Property& property, Body& body, const TextScanner& in, Item& item) {
   if (property.count_type != nullptr) {
     const bool is_face = property.name == "vertex_indices" || property.name == "vertex_index";
     const std::uint32_t count = body.next_whole(*property.count_type);
@@ -165,7 +165,7 @@ void read_element(const Element& element, Body& body, TextScanner& in, MeshBuild
   Item item;
   for (std::uint64_t i = 0; i < element.count && !in.failed(); ++i) {
     item.corners.clear();
-    for (const Property& property : element.properties) read_property(property, body, in, item);
+    for (const Property& property : element.properties) read_value(property, body, in, item);
     if (in.failed()) return;
     if (element.name == "vertex") mesh.add_position(item.position);
     if (element.name == "face") {

@@ -13,7 +13,7 @@ namespace sonoloft {
 /// Draws the surface network between the labels of a lattice, and redraws only what changed. Frame: reference, mm.
 /// Surface nets where every label is simple in a cell, marching tetrahedra in the few other cells. For every label the
 /// triangles that have it in front or behind form closed 2-manifolds that do not cross one another; the proof and its
-/// two conditions (the postcondition of SampleLattice; float positions) are in docs/pipeline/5-mesh.md.
+/// two conditions (the postcondition of SampleLattice; float positions) are in docs/pipeline/6-mesh.md.
 /// The mesh is a function of the samples alone: neither the order of updates nor the number of threads shows in a byte.
 /// Threads: one writer; const members may run together, but not during update().
 /// Source: Ju, Udeshi 2006 (envelopes), simplified for a uniform lattice; Gibson 1998 (surface nets).

@@ -25,7 +25,7 @@ struct OwnedSegment {
 };
 
 /// Limits on one slice's tangle, met only by what is no picture of anything (thousands of long strokes side by side or
-/// across each other); they keep the time within seconds and the memory within some 100 MB.
+/// across each other); they keep the time within seconds and the memory within a few hundred MB.
 inline constexpr std::uint64_t kMaxBoxTests = 1ull << 27;
 inline constexpr std::size_t kMaxCrossings = std::size_t{1} << 18;
 inline constexpr std::size_t kMaxAddedPieces = std::size_t{1} << 19;  ///< counted for each owner

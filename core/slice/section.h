@@ -40,7 +40,8 @@ inline constexpr double kRigidTolerance = 1e-6;   ///< on every element of R^T R
 ///        the section depends on nothing but the slice: not on the start or direction of a contour
 /// @error non_finite, not_rigid, bad_contour (fewer than 3 points, points not in the slice, out of range, reserved
 ///        label), too_large (also contours that cross each other 2^18 times)
-/// @cost  O((#V + crossings) log #V); about 1 us a point
+/// @cost  O((#V + crossings) log #V); about 0.4 us a point
+/// Threads: any; nothing is shared.
 /// Source: snap rounding (Hobby 1999), then a plane sweep; all decisions are exact in integers.
 [[nodiscard]] Result<Section> make_section(const TrackedSlice& slice);
 

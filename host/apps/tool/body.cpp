@@ -21,26 +21,26 @@ constexpr std::size_t kNoiseVoxels = 8;
 constexpr double kTruthVoxelsAlongBody = 200;
 
 template <class T>
-Result<Body> body_of(device_sim::Made<T> made, Truth truth) {
-  if (!made.value) return fail(ErrorCode::invalid_argument, made.error);
+Result<Body> body_of(device_sim::Made<T> made, Truth truth, const std::filesystem::path& file) {
+  if (!made.value) return fail(ErrorCode::invalid_argument, file.string() + ": " + made.error);
   Body body;
   body.source = std::move(made.value);
   body.truth = std::move(truth);
   return body;
 }
 
-Result<Body> volume_body(LabelVolume volume) {
+Result<Body> volume_body(LabelVolume volume, const std::filesystem::path& file) {
   const Eigen::Vector3i dims(static_cast<int>(volume.dims[0]), static_cast<int>(volume.dims[1]),
                              static_cast<int>(volume.dims[2]));
   auto made = device_sim::VolumePhantom::make(dims, volume.spacing_mm, volume.origin_mm, volume.labels);
-  return body_of(std::move(made), std::move(volume));
+  return body_of(std::move(made), std::move(volume), file);
 }
 
-Result<Body> mesh_body(IndexedMesh mesh) {
+Result<Body> mesh_body(IndexedMesh mesh, const std::filesystem::path& file) {
   std::vector<Eigen::Vector3d> positions;
   for (const Eigen::Vector3f& p : mesh.positions) positions.push_back(p.cast<double>());
   auto made = device_sim::MeshPhantom::make(std::move(positions), mesh.triangles, 1);
-  return body_of(std::move(made), std::move(mesh));
+  return body_of(std::move(made), std::move(mesh), file);
 }
 
 /// The labels at the middles of voxels all over a phantom.
@@ -79,7 +79,8 @@ device_sim::RecordedPlane recorded_plane(const TrackedSlice& slice) {
   return plane;
 }
 
-Result<Body> recorded_body(Result<SliceFile> file) {
+Result<Body> recorded_body(const std::filesystem::path& path) {
+  const auto file = path.extension() == ".csl" ? read_csl(path) : read_contour(path);
   if (!file) return tl::unexpected<Error>(file.error());
   Body body;
   std::vector<device_sim::RecordedPlane> planes;
@@ -89,7 +90,7 @@ Result<Body> recorded_body(Result<SliceFile> file) {
     body.max_contours = std::max(body.max_contours, static_cast<std::uint32_t>(slice.contours.size()));
   }
   auto made = device_sim::RecordedPlanes::make(std::move(planes));
-  if (!made.value) return fail(ErrorCode::invalid_argument, made.error);
+  if (!made.value) return fail(ErrorCode::invalid_argument, path.string() + ": " + made.error);
   body.recorded = made.value->trajectory();
   body.source = std::move(made.value);
   return body;
@@ -101,17 +102,16 @@ bool is_volume(const std::filesystem::path& file) {
 
 Result<Body> file_body(const std::filesystem::path& file) {
   const auto suffix = file.extension();
-  if (suffix == ".csl") return recorded_body(read_csl(file));
-  if (suffix == ".contour") return recorded_body(read_contour(file));
+  if (suffix == ".csl" || suffix == ".contour") return recorded_body(file);
   if (is_volume(file)) {
     auto volume = read_inr(file);
     if (!volume) return tl::unexpected<Error>(volume.error());
-    return volume_body(std::move(*volume));
+    return volume_body(std::move(*volume), file);
   }
   if (suffix == ".off" || suffix == ".stl" || suffix == ".ply" || suffix == ".obj") {
     auto mesh = read_mesh(file);
     if (!mesh) return tl::unexpected<Error>(mesh.error());
-    return mesh_body(std::move(*mesh));
+    return mesh_body(std::move(*mesh), file);
   }
   return fail(
       ErrorCode::unsupported_format,
@@ -123,7 +123,7 @@ Result<Body> liver_body(const std::filesystem::path& file) {
   auto volume = read_inr(file);
   if (!volume) return tl::unexpected<Error>(volume.error());
   number_by_volume(*volume);
-  return volume_body(std::move(*volume));
+  return volume_body(std::move(*volume), file);
 }
 
 }  // namespace

@@ -60,13 +60,13 @@ void add_threads(CLI::App& verb, int& threads) {
 
 void add_compute(CLI::App& verb, Compute& compute) {
   add_threads(verb, compute.threads);
-  const std::map<std::string, DeviceChoice> choices = {
+  static const std::map<std::string, DeviceChoice> kChoices = {
       {"auto", DeviceChoice::automatic}, {"opencl", DeviceChoice::opencl}, {"cpu", DeviceChoice::cpu}};
-  verb.add_option("--device", compute.device,
-                  "Where the field is evaluated: auto (OpenCL if there is any), opencl, cpu")
-      ->transform(CLI::Transformer(choices).description(""))
-      ->check(CLI::IsMember(choices).description(""))
-      ->type_name("NAME");
+  verb.add_option_function<std::string>(
+          "--device", [&compute](const std::string& name) { compute.device = kChoices.at(name); },
+          "Where the field is evaluated: auto (OpenCL if there is any), opencl, cpu")
+      ->check(CLI::IsMember({"auto", "opencl", "cpu"}))
+      ->default_str("auto");
 }
 
 void add_report(CLI::App& verb, std::optional<std::filesystem::path>& report) {

@@ -206,7 +206,9 @@ void add_demo(CLI::App& app, Task& task) {
   verb->add_option("--seconds", demo->seconds, "Length of the sweep, instead of --slices")
       ->check(finite(0.1, 3600))
       ->excludes(slices);
-  verb->add_option("--seed", demo->plan.seed, "Of the hand that holds the probe")->capture_default_str();
+  verb->add_option("--seed", demo->plan.seed, "Of the hand that holds the probe")
+      ->check(finite(0, 1e15))
+      ->capture_default_str();
   verb->add_option("--out", demo->out, "Folder for mesh.ply and mesh.png")->capture_default_str();
   verb->add_option("--data", demo->data, "Folder of the demo's data; default: $SONOLOFT_DATA, then build/data");
   add_resolution(*verb, demo->resolution);

@@ -2,6 +2,7 @@
 #include <sonoloft/version.h>
 
 #include <iostream>
+#include <string>
 
 #include "host/apps/tool/verbs.h"
 
@@ -20,8 +21,9 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(e);
     const auto verbs = app.get_subcommands();
-    std::cerr << "sonoloft: " << e.what() << ": see sonoloft " << (verbs.empty() ? "" : verbs[0]->get_name() + " ")
-              << "--help\n";
+    const std::string verb = verbs.empty() ? "" : verbs[0]->get_name() + " ";
+    const std::string cause = verbs.empty() && argc > 1 ? "there is no verb " + std::string(argv[1]) : e.what();
+    std::cerr << "sonoloft: " << cause << ": see sonoloft " << verb << "--help\n";
     return 2;
   }
   try {

@@ -56,7 +56,7 @@ TEST_CASE("callbacks: a slow one gets the latest mesh next, and what it missed i
   CHECK(updates[1]->counts.dropped == 0);
 }
 
-TEST_CASE("callbacks: of a live scan the oldest slices give way to newer ones, and an event says so once") {
+TEST_CASE("callbacks: of a live scan the oldest slices give way to newer ones, counted") {
   auto options = ball_scan_options();
   options.stream.mode = device::StreamMode::live;
   options.queue_capacity = 4;

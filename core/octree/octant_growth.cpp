@@ -1,5 +1,6 @@
 #include "core/octree/octant_growth.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/slice/parallel.h"
@@ -42,20 +43,26 @@ SampleMask OctantGrowth::needed(const WorkBrick& brick) const {
 }
 
 void OctantGrowth::refresh_faces(WorkBrick& brick) const {
-  std::array<Label, 729> labels;
+  static constexpr std::array<Label, kBrickSamples> kNothing = [] {
+    std::array<Label, kBrickSamples> labels{};
+    labels.fill(kNotSampled);
+    return labels;
+  }();
+  std::array<const Label*, 8> from;  // this brick and those above, of which only the lowest layer is wanted
   for (int i = 0; i < 8; ++i) {
-    const std::uint32_t from =
+    const std::uint32_t index =
         bricks_.find({brick.coord.x + (i & 1), brick.coord.y + ((i >> 1) & 1), brick.coord.z + (i >> 2)});
-    // Of the bricks above only the lowest layer is wanted.
-    const auto first = [&](int axis) { return (i >> axis & 1) != 0 ? kBrickSize : 0; };
-    const auto last = [&](int axis) { return (i >> axis & 1) != 0 ? kBrickSize : kBrickSize - 1; };
-    for (int z = first(2); z <= last(2); ++z)
-      for (int y = first(1); y <= last(1); ++y)
-        for (int x = first(0); x <= last(0); ++x)
-          labels[static_cast<std::size_t>(x + 9 * (y + 9 * z))] =
-              from == kNoBrick ? kNotSampled
-                               : bricks_[from].label[static_cast<std::size_t>(sample_index(x & 7, y & 7, z & 7))];
+    from[static_cast<std::size_t>(i)] = index == kNoBrick ? kNothing.data() : bricks_[index].label.data();
   }
+  std::array<Label, 729> labels;
+  auto out = labels.begin();
+  for (int z = 0; z <= kBrickSize; ++z)
+    for (int y = 0; y <= kBrickSize; ++y) {
+      const auto upper = static_cast<std::size_t>(2 * (y >> 3) + 4 * (z >> 3));
+      const int row = sample_index(0, y & 7, z & 7);
+      out = std::copy_n(from[upper] + row, kBrickSize, out);
+      *out++ = from[upper + 1][row];
+    }
   brick.mixed_faces = mixed_faces(labels);
 }
 

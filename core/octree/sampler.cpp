@@ -59,12 +59,14 @@ void Sampler::locate(const WorkBrick& brick, const SampleMask& samples, Located&
   const Eigen::Vector3d base = Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z).cast<double>() * kBrickSize;
   std::vector<std::uint16_t> index;
   std::vector<Eigen::Vector3d> points;
-  Eigen::AlignedBox3d bounds;
+  index.reserve(kBrickSamples);
+  points.reserve(kBrickSamples);
   samples.for_each([&](int i) {
     index.push_back(static_cast<std::uint16_t>(i));
     points.push_back(origin_mm_ + spacing_mm_ * (base + Eigen::Vector3d(i & 7, (i >> 3) & 7, i >> 6)));
-    bounds.extend(points.back());
   });
+  const Eigen::AlignedBox3d bounds(origin_mm_ + spacing_mm_ * base,
+                                   origin_mm_ + spacing_mm_ * (base + Eigen::Vector3d::Constant(kBrickSize - 1)));
   std::vector<std::uint32_t> order;
   cells_.locate(bounds, points, order, out.cells);
   out.index.resize(order.size());
@@ -113,11 +115,20 @@ Result<void> Sampler::evaluate() {
   return evaluator_.evaluate(batch_);
 }
 
-bool Sampler::pinned(std::uint32_t packed, const Eigen::Vector3d& point) const {
-  const PinRange range = pins_of_packed_[packed];
-  for (std::uint32_t i = range.first; i < range.first + range.count; ++i)
-    if (std::abs(pins_[i].normal.dot(point) + pins_[i].offset_mm) < spacing_mm_) return true;
-  return false;
+/// Marks the samples within one spacing of a slice that bounds their cell.
+void Sampler::pin(WorkBrick& brick, const Group& group, std::span<const std::uint16_t> index,
+                  std::span<const Eigen::Vector3d> points) const {
+  Eigen::AlignedBox3d bounds;
+  for (const Eigen::Vector3d& p : points) bounds.extend(p);
+  for (const std::uint16_t i : index) brick.pinned.reset(i);
+  const PinRange range = pins_of_packed_[group.packed];
+  for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
+    const PinPlane& plane = pins_[i];
+    const double reach = 0.5 * plane.normal.cwiseAbs().dot(bounds.sizes());
+    if (std::abs(plane.normal.dot(bounds.center()) + plane.offset_mm) > reach + 1.001 * spacing_mm_) continue;
+    for (std::size_t k = 0; k < index.size(); ++k)
+      if (std::abs(plane.normal.dot(points[k]) + plane.offset_mm) < spacing_mm_) brick.pinned.set(index[k]);
+  }
 }
 
 void Sampler::store(WorkBrick& brick, const Group& group, const Located& located) const {
@@ -143,8 +154,8 @@ void Sampler::store(WorkBrick& brick, const Group& group, const Located& located
   for (std::size_t k = 0; k < index.size(); ++k) {
     brick.cell[index[k]] = cell;
     brick.sampled.set(index[k]);
-    pinned(group.packed, points[k]) ? brick.pinned.set(index[k]) : brick.pinned.reset(index[k]);
   }
+  pin(brick, group, index, points);
 }
 
 }  // namespace sonoloft

@@ -55,7 +55,8 @@ class Sampler {
   void pack(std::uint32_t cell);
   [[nodiscard]] Result<void> evaluate();
   void store(WorkBrick& brick, const Group& group, const Located& located) const;
-  [[nodiscard]] bool pinned(std::uint32_t packed, const Eigen::Vector3d& point_mm) const;
+  void pin(WorkBrick& brick, const Group& group, std::span<const std::uint16_t> index,
+           std::span<const Eigen::Vector3d> points_mm) const;
 
   const CellComplex& cells_;
   FieldEvaluator& evaluator_;

@@ -9,7 +9,7 @@
 
 namespace sonoloft::tool {
 
-/// Options that several verbs have. The defaults are those that --help states.
+/// Options that several verbs have. What is in them before they are added is the default that --help states.
 struct Resolution {
   int depth = 8;                     ///< the longest side of the object is 2^depth / 1.1 finest cells long
   std::optional<double> spacing_mm;  ///< instead of the depth
@@ -20,7 +20,7 @@ void add_resolution(CLI::App& verb, Resolution& resolution);
 [[nodiscard]] Result<double> spacing(const Resolution& resolution, double longest_side_mm);
 
 struct Compute {
-  int threads;  ///< by default one for every core
+  int threads;  ///< add_compute() sets one for every core
   DeviceChoice device = DeviceChoice::automatic;
 };
 void add_compute(CLI::App& verb, Compute& compute);

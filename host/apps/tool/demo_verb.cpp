@@ -9,11 +9,11 @@
 #include <memory>
 #include <utility>
 
-#include "host/apps/tool/body.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
+#include "host/apps/tool/phantom/body.h"
+#include "host/apps/tool/phantom/simulated_scan.h"
 #include "host/apps/tool/scan_log.h"
-#include "host/apps/tool/simulated_scan.h"
 #include "host/apps/tool/verbs.h"
 #include "host/device/loopback/loopback_transport.h"
 #include "host/scan/scan_session.h"
@@ -29,7 +29,7 @@ struct DemoOptions {
   std::optional<double> seconds;
   std::filesystem::path out = "out";
   std::optional<std::filesystem::path> data, report;
-  Resolution resolution;
+  Resolution resolution{7, {}};  ///< coarse enough to follow 10 slices a second on two cores
   Compute compute;
 };
 
@@ -105,7 +105,7 @@ Result<Json> dice_json(const IndexedMesh& mesh, const Truth& truth, int threads)
 std::string text_of(const LabelStatistics& label, const Json& dice) {
   char text[96];
   const std::string key = std::to_string(label.label);
-  int size = std::snprintf(text, sizeof text, "label %s  %.1f ml", key.c_str(), label.volume_ml);
+  int size = std::snprintf(text, sizeof text, "label %s  %.4g ml", key.c_str(), label.volume_ml);
   if (dice.contains(key))
     std::snprintf(text + size, sizeof text - static_cast<std::size_t>(size), "  Dice %.3f", dice[key].get<double>());
   return text;

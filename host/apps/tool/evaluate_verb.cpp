@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "core/io/mesh_files.h"
-#include "host/apps/tool/body.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
+#include "host/apps/tool/phantom/body.h"
 #include "host/apps/tool/verbs.h"
 
 namespace sonoloft::tool {

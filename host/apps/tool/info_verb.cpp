@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/gpu/make_evaluator.h"
-#include "host/apps/tool/body.h"
+#include "host/apps/tool/phantom/body.h"
 #include "host/apps/tool/verbs.h"
 
 namespace sonoloft::tool {

@@ -95,7 +95,9 @@ Json input_json(std::span<const TrackedSlice> slices) {
   std::size_t vertices = 0;
   std::set<Label> labels;
   for (const TrackedSlice& slice : slices) {
-    vertices += slice.points.size();
+    std::set<std::pair<double, double>> distinct;  // contours that touch share vertices
+    for (const Eigen::Vector2d& p : slice.points) distinct.emplace(p.x(), p.y());
+    vertices += distinct.size();
     for (const Contour& contour : slice.contours)
       if (!contour.hole && contour.label != kUnknown && contour.label != kOutside) labels.insert(contour.label);
   }

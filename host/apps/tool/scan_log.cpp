@@ -41,7 +41,7 @@ std::string ScanLog::progress() const {
   const std::lock_guard lock(mutex_);
   if (!last_) return {};
   const double seconds = std::chrono::duration<double>(last_arrival_ - first_arrival_).count();
-  const double rate_hz = seconds > 0 ? static_cast<double>(last_->revision - 1) / seconds : 0;
+  const double rate_hz = seconds > 0.5 ? static_cast<double>(last_->revision - 1) / seconds : 0;
   char line[160];
   std::snprintf(line, sizeof line, "%llu slices  %.1f Hz  latency %.0f ms  %zu labels  %zu triangles  %llu dropped",
                 static_cast<unsigned long long>(last_->revision), rate_hz, latencies_ms_.back(), last_->labels.size(),

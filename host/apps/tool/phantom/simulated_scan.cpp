@@ -1,4 +1,4 @@
-#include "host/apps/tool/simulated_scan.h"
+#include "host/apps/tool/phantom/simulated_scan.h"
 
 #include <algorithm>
 #include <utility>

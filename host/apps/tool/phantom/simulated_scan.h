@@ -7,7 +7,7 @@
 #include "core/slice/result.h"
 #include "device_sim/port/loopback_device.h"
 #include "device_sim/probe/simulated_probe.h"
-#include "host/apps/tool/body.h"
+#include "host/apps/tool/phantom/body.h"
 #include "protocol/port.h"
 
 namespace sonoloft::tool {

@@ -1,4 +1,4 @@
-#include "host/apps/tool/body.h"
+#include "host/apps/tool/phantom/body.h"
 
 #include <algorithm>
 #include <cmath>

@@ -53,4 +53,8 @@ function(sonoloft_test name)
   target_link_libraries(${target} PRIVATE ${ARG_LIBS} sonoloft_test_main $<BUILD_INTERFACE:sonoloft_flags>)
   add_test(NAME ${ARG_LABEL}.${name} COMMAND ${target} WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
   set_tests_properties(${ARG_LABEL}.${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
+  if(SONOLOFT_SANITIZE)
+    set_tests_properties(${ARG_LABEL}.${name} PROPERTIES TIMEOUT 900  # instrumented code is slow
+      ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/tsan.supp")
+  endif()
 endfunction()

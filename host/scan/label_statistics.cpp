@@ -1,7 +1,6 @@
 #include "host/scan/label_statistics.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/Geometry>
 #include <map>
 
 namespace sonoloft {

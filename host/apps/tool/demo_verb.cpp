@@ -111,8 +111,10 @@ std::string text_of(const LabelStatistics& label, const Json& dice) {
   return text;
 }
 
-void print(const std::string& what, const Percentiles& ms) {
-  std::printf("%-12s p50 %.1f  p95 %.1f  max %.1f ms\n", what.c_str(), ms.p50, ms.p95, ms.max);
+void print(const char* what, const Percentiles& ms) {
+  char line[96];
+  std::snprintf(line, sizeof line, "%-8s p50 %.1f  p95 %.1f  max %.1f ms", what, ms.p50, ms.p95, ms.max);
+  std::cout << line << '\n';
 }
 
 void print(const Json& report, const std::vector<LabelStatistics>& labels) {
@@ -122,7 +124,6 @@ void print(const Json& report, const std::vector<LabelStatistics>& labels) {
     for (const auto& [key, value] : report[group].items()) std::cout << "  " << key << ' ' << value;
     std::cout << '\n';
   }
-  std::cout << std::flush;
 }
 
 /// The enclosing label as glass, so that what it holds is seen.
@@ -132,38 +133,41 @@ std::vector<Label> glass_of(const std::vector<LabelStatistics>& labels) {
   return {std::max_element(labels.begin(), labels.end(), less)->label};
 }
 
-Result<void> judge(const DemoOptions& demo, const Body& body, const ScanLog& log, const ScanSession& scan) {
+Result<void> write_results(const DemoOptions& demo, const IndexedMesh& mesh, const std::vector<LabelStatistics>& labels,
+                           const Json& report) {
+  const auto mesh_file = demo.out / "mesh.ply", picture_file = demo.out / "mesh.png";
+  if (auto written = write_mesh(mesh, mesh_file); !written) return written;
+  std::vector<LegendLine> legend;
+  for (const LabelStatistics& label : labels) legend.push_back({label.label, text_of(label, report["dice"])});
+  auto drawn = write_picture(mesh, std::move(legend), glass_of(labels), picture_file, demo.compute.threads);
+  if (!drawn) return drawn;
+  std::cout << "written: " << mesh_file.string() << ", " << picture_file.string() << '\n';
+  return demo.report ? write_report(report, *demo.report) : Result<void>{};
+}
+
+Result<void> judge(const DemoOptions& demo, const Truth& truth, const ScanLog& log, const ScanSession& scan) {
   if (const auto failure = log.failure()) return fail(ErrorCode::opencl_failed, *failure);
   const auto last = log.last();
   if (!last) return fail(ErrorCode::empty_input, "no slice came before the scan was stopped: let it run longer");
   const IndexedMesh mesh = last->mesh.indexed();
   if (mesh.triangles.empty())
     return fail(ErrorCode::empty_input, "the slices bound nothing: scan the whole body, with more slices");
-  const auto dice = dice_json(mesh, body.truth, demo.compute.threads);
+  const auto dice = dice_json(mesh, truth, demo.compute.threads);
   if (!dice) return tl::unexpected<Error>(dice.error());
   const Percentiles latency = percentiles(log.latencies_ms()), insert = percentiles(log.reconstruct_ms());
-  Json report = {{"phantom", demo.phantom},
-                 {"device", scan.field_device()},
-                 {"slices", slices_json(scan.counts())},
-                 {"dice", *dice},
-                 {"labels", labels_json(last->labels)},
-                 {"triangles", mesh.triangles.size()},
-                 {"latency_ms", json(latency)},
-                 {"insert_ms", json(insert)},
-                 {"ledger", ledger_json(scan.ledger())}};
+  const Json report = {{"phantom", demo.phantom},
+                       {"device", scan.field_device()},
+                       {"slices", slices_json(scan.counts())},
+                       {"dice", *dice},
+                       {"labels", labels_json(last->labels)},
+                       {"triangles", mesh.triangles.size()},
+                       {"latency_ms", json(latency)},
+                       {"insert_ms", json(insert)},
+                       {"ledger", ledger_json(scan.ledger())}};
   print("latency", latency);
   print("insert", insert);
-  std::fflush(stdout);
   print(report, last->labels);
-
-  const auto mesh_file = demo.out / "mesh.ply", picture_file = demo.out / "mesh.png";
-  if (auto written = write_mesh(mesh, mesh_file); !written) return written;
-  std::vector<LegendLine> legend;
-  for (const LabelStatistics& label : last->labels) legend.push_back({label.label, text_of(label, *dice)});
-  auto drawn = write_picture(mesh, std::move(legend), glass_of(last->labels), picture_file, demo.compute.threads);
-  if (!drawn) return drawn;
-  std::cout << "written: " << mesh_file.string() << ", " << picture_file.string() << '\n';
-  return demo.report ? write_report(report, *demo.report) : Result<void>{};
+  return write_results(demo, mesh, last->labels, report);
 }
 
 Result<void> run_demo(DemoOptions demo) {
@@ -184,7 +188,7 @@ Result<void> run_demo(DemoOptions demo) {
   if (auto started = (*scan)->start(log.callbacks()); !started) return started;
   follow(log);
   (*scan)->stop();
-  return judge(demo, *body, log, **scan);
+  return judge(demo, body->truth, log, **scan);
 }
 
 }  // namespace
@@ -197,9 +201,9 @@ void add_demo(CLI::App& app, Task& task) {
                    "liver, femur, organs, or a file: recorded slices (.csl, .contour), a closed mesh (.off, .stl, "
                    ".ply, .obj), voxels (.inr, .inr.gz)")
       ->capture_default_str();
-  auto* slices = verb->add_option("--slices", demo->plan.slices, "Slices of the sweep")
-                     ->check(CLI::Range(1, 100000))
-                     ->capture_default_str();
+  auto* slices =
+      verb->add_option("--slices", demo->plan.slices, "Slices of the sweep; default: 60, or all that were recorded")
+          ->check(CLI::Range(1, 100000));
   verb->add_option("--rate", demo->plan.rate_hz, "Slices a second; 0: as fast as they are used")
       ->check(finite(0, 1000))
       ->capture_default_str();

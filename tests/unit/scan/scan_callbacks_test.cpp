@@ -81,7 +81,6 @@ TEST_CASE("callbacks: of a live scan the oldest slices give way to newer ones, c
   CHECK(updates[1]->slices.front().slice->slice.id > updates[0]->slices.back().slice->slice.id + 16);
   CHECK(total(scan->counts()) == scan->counts().delivered);
   CHECK(scan->ledger().closed);
-  CHECK(inbox.events().empty());  // stop() came before it
 }
 
 TEST_CASE("callbacks: the event of dropped slices comes once for each time the queue runs over") {

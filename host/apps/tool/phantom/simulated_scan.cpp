@@ -3,23 +3,27 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/io/slice_files.h"
 #include "device_sim/probe/field_of_view.h"
 #include "device_sim/probe/trajectory.h"
 
 namespace sonoloft::tool {
 namespace {
 
+constexpr std::uint32_t kSlices = 60;
 constexpr double kPixelsAlongBody = 1000;
-constexpr double kFastClock_hz = 30;  ///< the device's clock where it does not pace
+constexpr double kHandsBody_mm = 200;  ///< the length of a body that the hand's own numbers are meant for
+constexpr double kFastClock_hz = 30;   ///< the device's clock where it does not pace
 constexpr std::uint32_t kMaxPoints = 1u << 16, kMaxContours = 1u << 12;
 
 device_sim::Trajectory trajectory_over(const Body& body, const ScanPlan& plan) {
   if (!body.recorded) {
     device_sim::Hand hand;
     hand.seed = plan.seed;
-    return device_sim::freehand_sweep(body.source->bounds(), {plan.slices, {}}, hand);
+    hand.tremor_mm *= body.source->bounds().sizes().maxCoeff() / kHandsBody_mm;  // files may have no unit
+    return device_sim::freehand_sweep(body.source->bounds(), {plan.slices.value_or(kSlices), {}}, hand);
   }
-  const std::size_t slices = std::min<std::size_t>(plan.slices, body.recorded->size());
+  const std::size_t slices = std::min<std::size_t>(plan.slices.value_or(kMaxFileSlices), body.recorded->size());
   return {body.recorded->begin(), body.recorded->begin() + static_cast<std::ptrdiff_t>(slices)};
 }
 

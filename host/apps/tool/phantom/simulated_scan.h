@@ -13,9 +13,9 @@
 namespace sonoloft::tool {
 
 struct ScanPlan {
-  std::uint32_t slices = 60;  ///< of recorded bodies: at most as many as there are
-  double rate_hz = 10;        ///< 0: as fast as the host takes them
-  std::uint64_t seed = 1;     ///< of the hand's tremor
+  std::optional<std::uint32_t> slices;  ///< of recorded bodies at most as many as there are; none: 60, or all of them
+  double rate_hz = 10;                  ///< 0: as fast as the host takes them
+  std::uint64_t seed = 1;               ///< of the hand's tremor
 };
 
 /// A probe that a trembling hand moves over the body, tilting it; recorded slices are sent as they were taken. A body

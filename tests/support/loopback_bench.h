@@ -39,7 +39,7 @@ inline device_sim::LoopbackOptions loopback_options(std::size_t ring_records = 1
 
 inline std::unique_ptr<device::Session> open_session(protocol::Port& port) {
   auto session = device::Session::open(std::make_unique<device::LoopbackTransport>(port));
-  REQUIRE_MESSAGE(session.has_value(), session.error().message);
+  if (!session) FAIL(session.error().message);
   return std::move(*session);
 }
 

@@ -28,7 +28,7 @@ inline std::optional<SliceFile> read_recorded_slices(const std::string& name) {
   const auto path = recorded_set(name);
   if (!path) return std::nullopt;
   auto file = path->extension() == ".csl" ? read_csl(*path) : read_contour(*path);
-  REQUIRE_MESSAGE(file.has_value(), file.error().message);
+  if (!file) FAIL(file.error().message);
   return std::move(*file);
 }
 

@@ -1,9 +1,12 @@
 #include "core/mesh/brick_net.h"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "core/mesh/cell_vertex.h"
+#include "core/octree/grid_walk.h"
 
 namespace sonoloft {
 namespace {
@@ -31,10 +34,12 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-/// Fills `out` with the cells of a block.
+constexpr LabelPair kNoPair = {kNotSampled, kNotSampled};
+
+/// Fills a scratch with the cells of its block.
 class CellReader {
  public:
-  CellReader(SampleBlock& block, BrickCells& out) : block_(block), out_(out) {}
+  explicit CellReader(ReadScratch& scratch) : block_(scratch.block), out_(scratch.cells), pairs_(scratch.pairs) {}
 
   void read(LocalPoint at) {
     const auto id = static_cast<std::uint16_t>(sample_index(at.x, at.y, at.z));
@@ -57,6 +62,7 @@ class CellReader {
     const unsigned pull = equations == 0 ? 0 : faces_with_labels(cell_, cell_.label_count);
     out_.slot[id] = static_cast<std::uint16_t>(out_.simple_cells.size());
     out_.simple_cells.push_back(id);
+    pairs_.push_back(cell_.label_count == 2 ? LabelPair{cell_.label[0], cell_.label[1]} : kNoPair);
     out_.placed.push_back(place_vertex(cell_, gaps_, equations));
     out_.pull.push_back(static_cast<std::uint8_t>(pull));
     out_.equations.push_back(static_cast<std::uint8_t>(equations));
@@ -66,9 +72,41 @@ class CellReader {
 
   SampleBlock& block_;
   BrickCells& out_;
+  std::vector<LabelPair>& pairs_;
   CellSamples cell_;
   Gaps gaps_;
 };
+
+/// The point of the segment a b nearest to p.
+Eigen::Vector3f nearest_on(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& p) {
+  const Eigen::Vector3f ab = b - a;
+  const float length2 = ab.squaredNorm();
+  return length2 > 0.0F ? Eigen::Vector3f(a + std::clamp(ab.dot(p - a) / length2, 0.0F, 1.0F) * ab) : a;
+}
+
+/// The field has a step at a slice, so samples say where its contour is to one cell only: the vertex of a cell of the
+/// contour's two labels is put on the point of the contour that is nearest to it, and stays there.
+void snap_to_contours(std::span<const ContourPiece> contours, ReadScratch& scratch) {
+  BrickCells& cells = scratch.cells;
+  scratch.to_contour2.assign(cells.simple_cells.size(), std::numeric_limits<float>::infinity());
+  std::vector<CellPoint> snapped = cells.placed;
+  for (const ContourPiece& piece : contours)
+    walk_grid(piece.a.cast<double>(), piece.b.cast<double>(), [&](double from, double to) {
+      const Eigen::Vector3f step = piece.b - piece.a;
+      const Eigen::Vector3f p = piece.a + static_cast<float>(from) * step, q = piece.a + static_cast<float>(to) * step;
+      const Eigen::Vector3i at = (0.5F * (p + q)).array().floor().cast<int>().max(0).min(kBrickSize - 1);
+      const std::uint16_t s = cells.slot[static_cast<std::size_t>(sample_index(at.x(), at.y(), at.z()))];
+      if (s == BrickCells::kNoSlot || scratch.pairs[s] != LabelPair{piece.lower, piece.upper}) return;
+      const Eigen::Vector3f base = at.cast<float>(), vertex = to_steps(cells.placed[s]);
+      const Eigen::Vector3f on = nearest_on(p - base, q - base, vertex);
+      if (const float moved2 = (on - vertex).squaredNorm(); moved2 < scratch.to_contour2[s]) {
+        scratch.to_contour2[s] = moved2;
+        snapped[s] = to_cell_point(on);
+        cells.pull[s] = 0;
+      }
+    });
+  cells.placed = std::move(snapped);
+}
 
 }  // namespace
 
@@ -92,17 +130,21 @@ bool BrickCells::same_as(const BrickCells& other) const {
 bool BrickNet::read(ReadScratch& scratch, const SampleLattice& lattice, const BrickCoord& coord) {
   BrickCells& cells = scratch.cells;
   cells.clear();
+  scratch.pairs.clear();
   if (lattice.find(coord)) {
     scratch.block.select(lattice, coord);
     MixedFlags mixed;
     find_mixed_cells(scratch.block.labels(), mixed);
-    CellReader reader(scratch.block, cells);
+    CellReader reader(scratch);
     for (int z = 0; z < kBrickSize; ++z)
       for (int y = 0; y < kBrickSize; ++y)
         for (int x = 0; x < kBrickSize; ++x)
           if (mixed[static_cast<std::size_t>(SampleBlock::index(x, y, z))]) reader.read({x, y, z});
   }
-  if (cells.simple_cells.empty()) cells.slot.clear();
+  if (cells.simple_cells.empty())
+    cells.slot.clear();
+  else
+    snap_to_contours(lattice.contours(coord), scratch);
   if (cells.same_as(cells_)) return false;
   cells_ = cells;
   return true;

@@ -32,16 +32,22 @@ struct BrickCells {
   [[nodiscard]] bool same_as(const BrickCells& other) const;  ///< in every byte
 };
 
+/// The labels of a cell that has just two, ascending.
+using LabelPair = std::array<Label, 2>;
+
 /// Room to work in for BrickNet::read(), used again for brick after brick.
 struct ReadScratch {
   SampleBlock block;
   BrickCells cells;
+  std::vector<LabelPair> pairs;    ///< [#S] both kNotSampled where there are more than two
+  std::vector<float> to_contour2;  ///< [#S] squared distance that snapping moved the vertex, infinite where none
 };
 
 /// The cells of one brick, and their vertices smoothed against those of the cells beside them.
 class BrickNet {
  public:
-  /// Finds the mixed cells and places their vertices. True if anything differs from what was read before.
+  /// Finds the mixed cells and places their vertices, on the contours where they run through. True if anything differs
+  /// from what was read before.
   bool read(ReadScratch& scratch, const SampleLattice& lattice, const BrickCoord& coord);
 
   /// Smooths the vertices by one step. True if any of them ends elsewhere than before.

@@ -73,11 +73,7 @@ CellPoint finish(const Eigen::Vector3f& start, const float* gaps, int equations)
   Eigen::Vector3f p = keep_inside(start);
   if (equations == 1) p += newton_step<1>(gaps, p);
   if (equations == 2) p += newton_step<2>(gaps, p);
-  p = keep_inside(p);
-  CellPoint fixed;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    fixed[axis] = static_cast<std::uint16_t>(p[static_cast<int>(axis)] * static_cast<float>(kStep) + 0.5F);
-  return fixed;
+  return to_cell_point(p);
 }
 
 }  // namespace
@@ -115,6 +111,19 @@ int gaps_of(const CellSamples& cell, Gaps& gaps) {
   return equations;
 }
 
+Eigen::Vector3f to_steps(const CellPoint& point) {
+  return Eigen::Vector3f(static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2])) /
+         static_cast<float>(kStep);
+}
+
+CellPoint to_cell_point(const Eigen::Vector3f& steps) {
+  const Eigen::Vector3f p = keep_inside(steps);
+  CellPoint fixed;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    fixed[axis] = static_cast<std::uint16_t>(p[static_cast<int>(axis)] * static_cast<float>(kStep) + 0.5F);
+  return fixed;
+}
+
 CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations) {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   int crossings = 0;
@@ -131,9 +140,7 @@ CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations)
 }
 
 CellPoint relax_vertex(const CellPoint& vertex, const Eigen::Vector3f& mean, const float* gaps, int equations) {
-  const Eigen::Vector3f p =
-      Eigen::Vector3f(static_cast<float>(vertex[0]), static_cast<float>(vertex[1]), static_cast<float>(vertex[2])) /
-      static_cast<float>(kStep);
+  const Eigen::Vector3f p = to_steps(vertex);
   return finish(p + kRelaxation * (mean - p), gaps, equations);
 }
 

@@ -26,6 +26,10 @@ using Gaps = std::array<std::array<float, 8>, kMaxEquations>;  ///< [equation][c
 /// of its crossings).
 [[nodiscard]] int gaps_of(const CellSamples& cell, Gaps& gaps);
 
+/// A position in lattice steps from the cell's lowest corner, and back: it is then kept 0.03 inside of the cell.
+[[nodiscard]] Eigen::Vector3f to_steps(const CellPoint& point);
+[[nodiscard]] CellPoint to_cell_point(const Eigen::Vector3f& steps);
+
 /// Mean of the crossings on the edges, then one Newton step.
 [[nodiscard]] CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations);
 

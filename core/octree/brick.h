@@ -46,6 +46,12 @@ struct Brick {
                                            ///< the palette have share 0; meaningless where label is kNotSampled
 };
 
+/// A piece of the contours of the slices within the cells of one brick: a straight border between two labels.
+struct ContourPiece {
+  Eigen::Vector3f a, b;  ///< lattice steps from the brick's first sample, 0..8
+  Label lower, upper;    ///< the labels beside it, lower < upper
+};
+
 /// What the mesh stage reads. Postcondition of every update, on which closed meshes rest: for every lattice edge whose
 /// two ends are sampled and differ in label, all four finest cells around that edge have all of their 8 corners
 /// sampled. Threads: const members may run together, but not during an update.
@@ -54,6 +60,8 @@ class SampleLattice {
   virtual ~SampleLattice() = default;
   /// The brick, or null when none of its samples was taken. Valid until the next update. O(1)
   [[nodiscard]] virtual const Brick* find(BrickCoord coord) const = 0;
+  /// The contours in the cells of a brick, the older slice's first. Valid until the next update. O(1)
+  [[nodiscard]] virtual std::span<const ContourPiece> contours(BrickCoord coord) const = 0;
   [[nodiscard]] virtual Eigen::Vector3d origin_mm() const = 0;  ///< lattice point (0,0,0), reference frame
   [[nodiscard]] virtual double spacing_mm() const = 0;
 };

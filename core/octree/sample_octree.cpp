@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/octree/brick_pool.h"
+#include "core/octree/grid_walk.h"
 #include "core/octree/index_set.h"
 #include "core/octree/octant_growth.h"
 #include "core/octree/sampler.h"
@@ -32,14 +33,20 @@ struct SampleOctree::State {
   BrickPool bricks;
   std::vector<std::vector<std::uint32_t>> bricks_of_cell;  ///< [cell] bricks that may have samples in it
   std::size_t samples = 0;
-  IndexSet changed_cells;         ///< noted since the last update
-  std::vector<Octant> new_seeds;  ///< noted since the last update
+  IndexSet changed_cells;  ///< noted since the last update
+  struct Contour {
+    Eigen::Vector3d a, b;  ///< reference, mm
+    Label lower, upper;
+  };
+  std::vector<Contour> new_contours;  ///< noted since the last update
 
-  void seed_contour(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+  /// Hands the pieces of a contour to the bricks that it runs through, and switches on the octants.
+  void trace(const Contour& contour, OctantGrowth& growth, IndexSet& touched);
   [[nodiscard]] std::vector<SampleJob> stale_jobs();
   void add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs) const;
   void drop_unneeded(OctantGrowth& growth, IndexSet& touched);
-  [[nodiscard]] std::vector<BrickCoord> smooth(const IndexSet& touched, int threads, std::size_t& smoothed);
+  [[nodiscard]] std::vector<BrickCoord> smooth(const IndexSet& touched, const IndexSet& contoured, int threads,
+                                               std::size_t& smoothed);
 };
 
 SampleOctree::SampleOctree(const Eigen::Vector3d& origin_mm, double spacing_mm) : state_(std::make_unique<State>()) {
@@ -50,19 +57,21 @@ SampleOctree::~SampleOctree() = default;
 SampleOctree::SampleOctree(SampleOctree&&) noexcept = default;
 SampleOctree& SampleOctree::operator=(SampleOctree&&) noexcept = default;
 
-/// Walks in steps of half an octant: one that is only grazed is found from its neighbours.
-void SampleOctree::State::seed_contour(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const double size = spacing_mm * kOctantCells;
-  const int steps = std::max(1, static_cast<int>(std::ceil((b - a).norm() / (0.5 * size))));
-  for (int i = 0; i <= steps; ++i) {
-    const Eigen::Vector3d at = ((a + (b - a) * (static_cast<double>(i) / steps) - origin_mm) / size).array().floor();
-    const Octant octant{static_cast<std::int32_t>(at.x()), static_cast<std::int32_t>(at.y()),
-                        static_cast<std::int32_t>(at.z())};
-    WorkBrick& brick = bricks[bricks.find_or_add(octant.brick())];
-    if ((brick.seeds & octant.bit()) != 0) continue;
+void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth, IndexSet& touched) {
+  const Eigen::Vector3d a = (contour.a - origin_mm) / spacing_mm, b = (contour.b - origin_mm) / spacing_mm;
+  walk_grid(a / kOctantCells, b / kOctantCells, [&](double from, double to) {
+    const Eigen::Vector3d p = a + from * (b - a), q = a + to * (b - a);
+    const Eigen::Vector3i at = (0.5 * (p + q) / kOctantCells).array().floor().cast<int>();
+    const Octant octant{at.x(), at.y(), at.z()};
+    const std::uint32_t index = bricks.find_or_add(octant.brick());
+    WorkBrick& brick = bricks[index];
+    const Eigen::Vector3d base =
+        Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z).cast<double>() * kBrickSize;
+    brick.contours.push_back({(p - base).cast<float>(), (q - base).cast<float>(), contour.lower, contour.upper});
     brick.seeds |= octant.bit();
-    new_seeds.push_back(octant);
-  }
+    growth.activate(octant);
+    touched.add(index);
+  });
 }
 
 void SampleOctree::note(const CellComplex& cells, const CellComplex::Delta& delta) {
@@ -75,8 +84,11 @@ void SampleOctree::note(const CellComplex& cells, const CellComplex::Delta& delt
       const auto lift = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
         return *face.image_to_reference * Eigen::Vector3d(p.x(), p.y(), 0.0);
       };
-      for (const FaceEdge& e : *face.polygon)
-        if (e.right != kBeyondFace && seen(e.left) != seen(e.right)) state_->seed_contour(lift(e.a), lift(e.b));
+      for (const FaceEdge& e : *face.polygon) {
+        if (e.right == kBeyondFace || seen(e.left) == seen(e.right)) continue;
+        const auto [lower, upper] = std::minmax({seen(e.left), seen(e.right)});
+        state_->new_contours.push_back({lift(e.a), lift(e.b), lower, upper});
+      }
     }
   }
 }
@@ -133,9 +145,11 @@ void SampleOctree::State::drop_unneeded(OctantGrowth& growth, IndexSet& touched)
 }
 
 /// Smooths what changed and what smoothing carries the change into.
-/// @return bricks whose smoothed samples changed or vanished, ascending
-std::vector<BrickCoord> SampleOctree::State::smooth(const IndexSet& touched, int threads, std::size_t& smoothed) {
+/// @return bricks whose smoothed samples or contours changed or vanished, ascending
+std::vector<BrickCoord> SampleOctree::State::smooth(const IndexSet& touched, const IndexSet& contoured, int threads,
+                                                    std::size_t& smoothed) {
   IndexSet reached;
+  for (const std::uint32_t index : contoured.items()) reached.add(index);
   for (const std::uint32_t index : touched.items()) {
     const BrickCoord c = bricks[index].coord;
     for (int i = 0; i < 27; ++i) {
@@ -152,7 +166,7 @@ std::vector<BrickCoord> SampleOctree::State::smooth(const IndexSet& touched, int
   std::vector<BrickCoord> result;
   for (std::size_t n = 0; n < items.size(); ++n) {
     const WorkBrick& brick = bricks[items[n]];
-    if (changed[n] != 0) result.push_back(brick.coord);
+    if (changed[n] != 0 || contoured.contains(items[n])) result.push_back(brick.coord);
     if (!brick.sampled.any() && brick.seeds == 0) bricks.remove(items[n]);
   }
   std::sort(result.begin(), result.end());
@@ -167,7 +181,8 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, Fiel
   OctantGrowth growth(s.bricks);
   IndexSet touched;
   std::vector<SampleJob> jobs = s.stale_jobs();
-  for (const Octant octant : s.new_seeds) growth.activate(octant);
+  IndexSet contoured;
+  for (const State::Contour& contour : s.new_contours) s.trace(contour, growth, contoured);
   for (s.add_missing(growth, jobs); !jobs.empty(); s.add_missing(growth, jobs)) {
     for (const SampleJob& job : jobs)
       s.samples += static_cast<std::size_t>((job.samples - s.bricks[job.brick].sampled).count());
@@ -185,14 +200,14 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, Fiel
   growth.prune();
   s.drop_unneeded(growth, touched);
   s.changed_cells.clear();
-  s.new_seeds.clear();
+  s.new_contours.clear();
 
   Change change;
   change.evaluated = sampler.evaluated();
   change.field_ms = sampler.field_ms();
   change.octree_ms = ms_since(start) - change.field_ms;
   const auto smoothing = Clock::now();
-  change.bricks = s.smooth(touched, threads, change.smoothed_bricks);
+  change.bricks = s.smooth(touched, contoured, threads, change.smoothed_bricks);
   change.smooth_ms = ms_since(smoothing);
   return change;
 }
@@ -200,6 +215,11 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, Fiel
 const Brick* SampleOctree::find(BrickCoord coord) const {
   const std::uint32_t index = state_->bricks.find(coord);
   return index == kNoBrick || !state_->bricks[index].sampled.any() ? nullptr : &state_->bricks[index].smooth;
+}
+
+std::span<const ContourPiece> SampleOctree::contours(BrickCoord coord) const {
+  const std::uint32_t index = state_->bricks.find(coord);
+  return index == kNoBrick ? std::span<const ContourPiece>() : state_->bricks[index].contours;
 }
 
 Eigen::Vector3d SampleOctree::origin_mm() const {

@@ -22,7 +22,7 @@ class SampleOctree final : public SampleLattice {
  public:
   /// What one update() did.
   struct Change {
-    std::vector<BrickCoord> bricks;  ///< whose smoothed samples changed, appeared or vanished; ascending
+    std::vector<BrickCoord> bricks;  ///< whose smoothed samples or contours changed, appeared or vanished; ascending
     std::size_t evaluated = 0;       ///< samples taken from the field, those in constant cells among them
     std::size_t smoothed_bricks = 0;
     double field_ms = 0, octree_ms = 0, smooth_ms = 0;
@@ -35,7 +35,7 @@ class SampleOctree final : public SampleLattice {
   SampleOctree& operator=(SampleOctree&&) noexcept;
 
   /// Takes note of an insertion: call it right after every CellComplex::insert(), before the next.
-  /// @cost O(length of the new contours / spacing)
+  /// @cost O(edges of the new contours)
   void note(const CellComplex& cells, const CellComplex::Delta& delta);
 
   /// Samples what the insertions noted since the last update() made necessary.
@@ -44,6 +44,7 @@ class SampleOctree final : public SampleLattice {
   [[nodiscard]] Result<Change> update(const CellComplex& cells, FieldEvaluator& evaluator, int threads);
 
   [[nodiscard]] const Brick* find(BrickCoord coord) const override;
+  [[nodiscard]] std::span<const ContourPiece> contours(BrickCoord coord) const override;
   [[nodiscard]] Eigen::Vector3d origin_mm() const override;
   [[nodiscard]] double spacing_mm() const override;
   [[nodiscard]] std::size_t sample_count() const;

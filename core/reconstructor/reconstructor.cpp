@@ -1,5 +1,6 @@
 #include "core/reconstructor/reconstructor.h"
 
+#include <array>
 #include <cassert>
 #include <chrono>
 #include <cmath>
@@ -18,6 +19,8 @@ using Clock = std::chrono::steady_clock;
 
 /// Slices that pass nearer than this share of the spacing cannot both be told apart in the mesh.
 constexpr double kMergeGap = 0.25;
+/// What one sample of the coarse detail stands for, in each axis.
+constexpr double kCoarseSpacings = 2;
 /// Chunk keys hold 2^18 lattice points to either side.
 constexpr double kMaxLatticePoints = 1 << 18;
 
@@ -37,14 +40,31 @@ Result<void> check(const ReconstructorOptions& o) {
   return {};
 }
 
+/// The samples and the mesh of one detail. All details share the cells.
+struct Level {
+  Level(const ReconstructorOptions& options, double spacings)
+      : octree(options.box.min(), spacings * options.spacing_mm) {}
+
+  SampleOctree octree;
+  SurfaceExtractor surface;
+};
+
 }  // namespace
 
 struct Reconstructor::State {
+  State(const ReconstructorOptions& o, std::unique_ptr<FieldEvaluator> field)
+      : options(o),
+        evaluator(std::move(field)),
+        cells(o.box, kMergeGap * o.spacing_mm),
+        levels{Level(o, 1), Level(o, kCoarseSpacings)} {}
+
   ReconstructorOptions options;
   std::unique_ptr<FieldEvaluator> evaluator;
   CellComplex cells;
-  SampleOctree octree;
-  SurfaceExtractor surface;
+  std::array<Level, 2> levels;  ///< [Detail]
+  Detail shown = Detail::full;  ///< by the last update()
+
+  [[nodiscard]] Level& level(Detail detail) { return levels[static_cast<std::size_t>(detail)]; }
 };
 
 Result<ReconstructorOptions> options_for(std::span<const TrackedSlice> slices, int depth) {
@@ -74,11 +94,7 @@ Result<Reconstructor> Reconstructor::create(const ReconstructorOptions& options)
   if (auto valid = check(options); !valid) return tl::unexpected<Error>(valid.error());
   auto evaluator = make_evaluator(options.device, options.threads, options.log);
   if (!evaluator) return tl::unexpected<Error>(evaluator.error());
-  return Reconstructor(std::make_unique<State>(State{options,
-                                                     std::move(*evaluator),
-                                                     CellComplex(options.box, kMergeGap * options.spacing_mm),
-                                                     SampleOctree(options.box.min(), options.spacing_mm),
-                                                     {}}));
+  return Reconstructor(std::make_unique<State>(options, std::move(*evaluator)));
 }
 
 Result<InsertReport> Reconstructor::add(const TrackedSlice& slice) {
@@ -89,7 +105,7 @@ Result<InsertReport> Reconstructor::add(const TrackedSlice& slice) {
   report.repaired_crossings = section->repaired_crossings;
   const auto delta = state_->cells.insert(*section);
   if (delta) {
-    state_->octree.note(state_->cells, *delta);
+    for (Level& level : state_->levels) level.octree.note(state_->cells, *delta);
     report.cells_reached = delta->reached;
     report.cells_cut = static_cast<std::uint32_t>(delta->lower.size());
   } else if (delta.error().code == ErrorCode::duplicate_plane) {
@@ -101,8 +117,10 @@ Result<InsertReport> Reconstructor::add(const TrackedSlice& slice) {
   return report;
 }
 
-Result<UpdateReport> Reconstructor::update() {
-  auto change = state_->octree.update(state_->cells, *state_->evaluator, state_->options.threads);
+Result<UpdateReport> Reconstructor::update(Detail detail) {
+  Level& level = state_->level(detail);
+  state_->shown = detail;
+  auto change = level.octree.update(state_->cells, *state_->evaluator, state_->options.threads);
   if (!change) return tl::unexpected<Error>(change.error());
   UpdateReport report;
   report.samples_evaluated = change->evaluated;
@@ -111,14 +129,18 @@ Result<UpdateReport> Reconstructor::update() {
   report.octree_ms = change->octree_ms;
   report.smooth_ms = change->smooth_ms;
   const auto start = Clock::now();
-  report.changed_chunks = state_->surface.update(state_->octree, change->bricks, state_->options.threads);
-  report.chunks_rebuilt = state_->surface.counters().chunks_rebuilt;
+  report.changed_chunks = level.surface.update(level.octree, change->bricks, state_->options.threads);
+  report.chunks_rebuilt = level.surface.counters().chunks_rebuilt;
   report.mesh_ms = ms_since(start);
   return report;
 }
 
 MeshSnapshot Reconstructor::mesh() const {
-  return state_->surface.snapshot();
+  return state_->level(state_->shown).surface.snapshot();
+}
+
+const SampleLattice& Reconstructor::samples() const {
+  return state_->level(state_->shown).octree;
 }
 
 ReconstructorCounts Reconstructor::counts() const {
@@ -126,8 +148,9 @@ ReconstructorCounts Reconstructor::counts() const {
   counts.cells = state_->cells.cell_count();
   counts.faces = state_->cells.face_count();
   counts.edges = state_->cells.edge_count();
-  counts.samples = state_->octree.sample_count();
-  counts.leaves = state_->surface.counters().leaves;
+  const Level& level = state_->level(state_->shown);
+  counts.samples = level.octree.sample_count();
+  counts.leaves = level.surface.counters().leaves;
   for (const auto& chunk : mesh().chunks) counts.triangles += chunk->triangles.size();
   return counts;
 }

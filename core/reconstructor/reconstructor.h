@@ -45,9 +45,16 @@ struct InsertReport {
   double cells_ms = 0;
 };
 
+/// How finely the mesh is drawn.
+enum class Detail : std::uint8_t {
+  full,    ///< at the spacing of the options
+  coarse,  ///< at twice that spacing, for about a quarter of the time: while slices come faster than full detail allows
+};
+
 /// What one update() did.
 struct UpdateReport {
-  std::vector<BrickCoord> changed_chunks;  ///< chunks that changed, appeared or vanished; ascending
+  std::vector<BrickCoord> changed_chunks;  ///< against the mesh of the same detail before: chunks that changed,
+                                           ///< appeared or vanished; ascending
   std::size_t samples_evaluated = 0;
   std::size_t bricks_smoothed = 0;
   std::size_t chunks_rebuilt = 0;
@@ -61,8 +68,8 @@ struct ReconstructorCounts {
 };
 
 /// Slices in, closed multi-label surfaces out, each slice at the cost of what it changes. Frame: reference, mm.
-/// The mesh depends on the slices and their order, not on how many were added between two updates nor on the number of
-/// threads: to the last byte.
+/// The mesh of either detail depends on the slices and their order, not on how many were added between two updates, nor
+/// on the detail of these, nor on the number of threads: to the last byte.
 /// Threads: one writer; const members may run together, but not during add() or update().
 class Reconstructor {
  public:
@@ -76,11 +83,14 @@ class Reconstructor {
   /// @error those of make_section(), outside_box, cell_limit: nothing has changed
   [[nodiscard]] Result<InsertReport> add(const TrackedSlice& slice);
 
-  /// Brings the mesh up to date with all slices added. @error opencl_failed
-  [[nodiscard]] Result<UpdateReport> update();
+  /// Brings the mesh of one detail up to date with all slices added; that of the other waits for its turn.
+  /// @error opencl_failed
+  [[nodiscard]] Result<UpdateReport> update(Detail detail = Detail::full);
 
-  [[nodiscard]] MeshSnapshot mesh() const;  ///< as of the last update(). O(chunks)
-  [[nodiscard]] ReconstructorCounts counts() const;
+  [[nodiscard]] MeshSnapshot mesh() const;  ///< that of the last update(). O(chunks)
+  /// What mesh() was drawn from. Valid until the next update().
+  [[nodiscard]] const SampleLattice& samples() const;
+  [[nodiscard]] ReconstructorCounts counts() const;  ///< of mesh() and what it was drawn from
   [[nodiscard]] std::string device_name() const;
 
  private:

@@ -1,5 +1,6 @@
 #include "host/scan/mesh_maker.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -32,6 +33,16 @@ SliceFate fate(const InsertReport& report) {
   return report.cells_cut == 0 ? SliceFate::explained : SliceFate::inserted;
 }
 
+/// The chunks of either mesh, ascending.
+std::vector<BrickCoord> all_chunks(const MeshSnapshot& a, const MeshSnapshot& b) {
+  std::vector<BrickCoord> all;
+  for (const MeshSnapshot* mesh : {&a, &b})
+    for (const auto& chunk : mesh->chunks) all.push_back(chunk->coord);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
 }  // namespace
 
 Result<MeshMaker> MeshMaker::create(const ReconstructorOptions& options) {
@@ -57,20 +68,23 @@ SliceReport MeshMaker::add(std::shared_ptr<const device::DeliveredSlice> slice) 
 }
 
 Result<std::shared_ptr<MeshUpdate>> MeshMaker::make(
-    std::span<const std::shared_ptr<const device::DeliveredSlice>> slices) {
+    std::span<const std::shared_ptr<const device::DeliveredSlice>> slices, Detail detail) {
   const auto start = Clock::now();
   auto made = std::make_shared<MeshUpdate>();
   for (const auto& slice : slices) made->slices.push_back(add(slice));
-  auto updated = reconstructor_.update();
+  auto updated = reconstructor_.update(detail);
   if (!updated) return tl::unexpected<Error>(updated.error());
   revision_ += slices.size();
-  skipped_revisions_ += slices.size() - 1;
+  skipped_revisions_ += slices.empty() ? 0 : slices.size() - 1;
   made->revision = revision_;
   made->skipped_revisions = skipped_revisions_;
+  made->detail = detail;
   made->mesh = reconstructor_.mesh();
   made->reconstruct_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  made->labels = statistics_[static_cast<std::size_t>(detail)].update(made->mesh, updated->changed_chunks);
   made->changed_chunks = std::move(updated->changed_chunks);
-  made->labels = statistics_.update(made->mesh, made->changed_chunks);
+  if (detail != shown_.detail) made->changed_chunks = all_chunks(shown_.mesh, made->mesh);
+  shown_ = {detail, made->mesh};
   made->size = reconstructor_.counts();
   return made;
 }

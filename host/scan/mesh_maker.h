@@ -1,5 +1,6 @@
 #pragma once
 // device -> slices -> [MESH MAKER] -> MeshUpdate -> your callback
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -19,21 +20,29 @@ class MeshMaker {
   /// @error those of Reconstructor::create()
   [[nodiscard]] static Result<MeshMaker> create(const ReconstructorOptions& options);
 
-  /// Adds the slices in their order and brings the mesh up to date once.
+  /// Adds the slices in their order, if any, and brings the mesh of this detail up to date once.
   /// @post  in the update everything is set but `counts` and the slices' latency_ms
   /// @error opencl_failed: the maker is not to be used any more
   [[nodiscard]] Result<std::shared_ptr<MeshUpdate>> make(
-      std::span<const std::shared_ptr<const device::DeliveredSlice>> slices);
+      std::span<const std::shared_ptr<const device::DeliveredSlice>> slices, Detail detail);
 
+  /// Of the last mesh made; full before the first.
+  [[nodiscard]] Detail detail() const { return shown_.detail; }
   [[nodiscard]] std::string field_device() const { return reconstructor_.device_name(); }
 
  private:
   MeshMaker(Reconstructor reconstructor, const Eigen::Vector3d& centre_mm)
-      : reconstructor_(std::move(reconstructor)), statistics_(centre_mm) {}
+      : reconstructor_(std::move(reconstructor)),
+        statistics_{LabelStatisticsKeeper(centre_mm), LabelStatisticsKeeper(centre_mm)} {}
   SliceReport add(std::shared_ptr<const device::DeliveredSlice> slice);
 
   Reconstructor reconstructor_;
-  LabelStatisticsKeeper statistics_;
+  std::array<LabelStatisticsKeeper, 2> statistics_;  ///< [Detail]
+  struct Shown {
+    Detail detail = Detail::full;
+    MeshSnapshot mesh;
+  };
+  Shown shown_;  ///< what was made last
   std::uint64_t revision_ = 0, skipped_revisions_ = 0;
 };
 

@@ -1,5 +1,6 @@
 #include "host/scan/scan_session.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "host/scan/mesh_maker.h"
+#include "host/scan/pace.h"
 
 namespace sonoloft {
 namespace {
@@ -66,6 +68,7 @@ struct ScanSession::State : std::enable_shared_from_this<State> {
   const ScanOptions options;
   const std::unique_ptr<device::Session> device;
   MeshMaker maker;  ///< the reconstruction thread's
+  Pace pace;        ///< the reconstruction thread's
   const std::string field_device;
 
   std::mutex life_mutex;  ///< one start or stop at a time; never taken on the reconstruction thread
@@ -96,7 +99,8 @@ struct ScanSession::State : std::enable_shared_from_this<State> {
   void reconstruct();
   bool wait(Waiting& batch);
   void work_off(const Waiting& batch);
-  Result<std::shared_ptr<MeshUpdate>> make(const Waiting& batch);
+  Detail choose_detail(const Waiting& batch) const;
+  Result<std::shared_ptr<MeshUpdate>> make(const Waiting& batch, Detail detail);
   void deliver(std::shared_ptr<MeshUpdate> update);
   void fail_for_good(const std::string& cause, std::size_t lost_slices);
   void tell(const ScanEvent& event);
@@ -181,9 +185,14 @@ void ScanSession::State::reconstruct() {
   waiting = {};
 }
 
+/// @return false when it is over; an empty batch when slices pause and the mesh is coarse
 bool ScanSession::State::wait(Waiting& batch) {
   std::unique_lock lock(mutex);
-  to_reconstruction.wait(lock, [&] { return stopping || !waiting.slices.empty() || !waiting.events.empty(); });
+  const auto something = [&] { return stopping || !waiting.slices.empty() || !waiting.events.empty(); };
+  if (maker.detail() == Detail::coarse)
+    to_reconstruction.wait_for(lock, pace.patience(), something);
+  else
+    to_reconstruction.wait(lock, something);
   if (stopping) return false;
   std::swap(batch, waiting);
   overflow_told = false;
@@ -192,18 +201,32 @@ bool ScanSession::State::wait(Waiting& batch) {
 }
 
 void ScanSession::State::work_off(const Waiting& batch) {
-  if (!batch.slices.empty()) {
-    auto made = make(batch);
+  for (const auto& slice : batch.slices) pace.slice_arrived(slice->arrival);
+  const Detail detail = choose_detail(batch);
+  if (!batch.slices.empty() || detail != maker.detail()) {
+    auto made = make(batch, detail);
     if (!made) return fail_for_good(made.error().message, batch.slices.size());
     deliver(std::move(*made));
   }
   for (const ScanEvent& event : batch.events) tell(event);
 }
 
-Result<std::shared_ptr<MeshUpdate>> ScanSession::State::make(const Waiting& batch) {
+Detail ScanSession::State::choose_detail(const Waiting& batch) const {
+  const bool pause = batch.slices.empty() && batch.events.empty();
+  const bool last = std::any_of(batch.events.begin(), batch.events.end(), [](const ScanEvent& event) {
+    return event.kind == ScanEventKind::end_of_data || event.kind == ScanEventKind::disconnected;
+  });
+  if (pause || last || options.stream.mode == device::StreamMode::lossless) return Detail::full;
+  return batch.slices.empty() ? maker.detail() : pace.next();
+}
+
+Result<std::shared_ptr<MeshUpdate>> ScanSession::State::make(const Waiting& batch, Detail detail) {
   try {
     const std::vector<std::shared_ptr<const DeliveredSlice>> slices(batch.slices.begin(), batch.slices.end());
-    return maker.make(slices);
+    const auto start = Clock::now();
+    auto made = maker.make(slices, detail);
+    pace.took(detail, Clock::now() - start);
+    return made;
   } catch (const std::exception& e) {
     return fail(ErrorCode::not_available, e.what());
   }

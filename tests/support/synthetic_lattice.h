@@ -21,6 +21,7 @@ class SyntheticLattice final : public SampleLattice {
                    const Eigen::Vector3d& origin_mm = Eigen::Vector3d::Zero(), double spacing_mm = 1);
 
   [[nodiscard]] const Brick* find(BrickCoord coord) const override;
+  [[nodiscard]] std::span<const ContourPiece> contours(BrickCoord) const override { return {}; }
   [[nodiscard]] Eigen::Vector3d origin_mm() const override { return origin_mm_; }
   [[nodiscard]] double spacing_mm() const override { return spacing_mm_; }
 

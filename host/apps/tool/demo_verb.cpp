@@ -163,6 +163,7 @@ Result<void> judge(const DemoOptions& demo, const Truth& truth, const ScanLog& l
                        {"triangles", mesh.triangles.size()},
                        {"latency_ms", json(latency)},
                        {"insert_ms", json(insert)},
+                       {"coarse_meshes", log.coarse_meshes()},
                        {"ledger", ledger_json(scan.ledger())}};
   print("latency", latency);
   print("insert", insert);

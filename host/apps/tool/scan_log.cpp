@@ -17,9 +17,12 @@ void ScanLog::take(std::shared_ptr<const MeshUpdate> update) {
       std::cerr << "sonoloft: slice " << slice.slice->slice.id << " is refused: " << slice.reason << '\n';
   const std::lock_guard lock(mutex_);
   if (!last_) first_arrival_ = update->slices.front().slice->arrival;
-  last_arrival_ = update->slices.back().slice->arrival;
-  for (const SliceReport& slice : update->slices) latencies_ms_.push_back(slice.latency_ms);
-  reconstruct_ms_.push_back(update->reconstruct_ms);
+  for (const SliceReport& slice : update->slices) {
+    last_arrival_ = slice.slice->arrival;
+    latencies_ms_.push_back(slice.latency_ms);
+  }
+  if (!update->slices.empty()) reconstruct_ms_.push_back(update->reconstruct_ms);
+  coarse_meshes_ += update->detail == Detail::coarse ? 1 : 0;
   last_ = std::move(update);
 }
 
@@ -67,6 +70,11 @@ std::vector<double> ScanLog::latencies_ms() const {
 std::vector<double> ScanLog::reconstruct_ms() const {
   const std::lock_guard lock(mutex_);
   return reconstruct_ms_;
+}
+
+std::size_t ScanLog::coarse_meshes() const {
+  const std::lock_guard lock(mutex_);
+  return coarse_meshes_;
 }
 
 }  // namespace sonoloft::tool

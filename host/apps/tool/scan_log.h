@@ -28,7 +28,8 @@ class ScanLog {
   [[nodiscard]] std::shared_ptr<const MeshUpdate> last() const;  ///< null where there was no mesh
   [[nodiscard]] std::optional<std::string> failure() const;      ///< of the reconstruction
   [[nodiscard]] std::vector<double> latencies_ms() const;        ///< of every slice that a mesh was delivered with
-  [[nodiscard]] std::vector<double> reconstruct_ms() const;      ///< of every mesh
+  [[nodiscard]] std::vector<double> reconstruct_ms() const;      ///< of every mesh of new slices
+  [[nodiscard]] std::size_t coarse_meshes() const;               ///< of all meshes delivered
 
  private:
   void take(std::shared_ptr<const MeshUpdate> update);
@@ -41,6 +42,7 @@ class ScanLog {
   std::shared_ptr<const MeshUpdate> last_;
   std::chrono::steady_clock::time_point first_arrival_, last_arrival_;
   std::vector<double> latencies_ms_, reconstruct_ms_;
+  std::size_t coarse_meshes_ = 0;
 };
 
 }  // namespace sonoloft::tool

@@ -19,20 +19,31 @@ bool same_bytes(const IndexedMesh& a, const IndexedMesh& b) {
          same_bytes(a.label_front, b.label_front) && same_bytes(a.label_back, b.label_back);
 }
 
-IndexedMesh reconstruct(const std::vector<TrackedSlice>& slices, bool online, int threads, DeviceChoice device) {
+Reconstructor make(const std::vector<TrackedSlice>& slices, int threads, DeviceChoice device) {
   auto options = options_for(slices, 6);
   REQUIRE(options);
   options->device = device;
   options->threads = threads;
   auto reconstructor = Reconstructor::create(*options);
   REQUIRE(reconstructor);
-  for (const TrackedSlice& slice : slices) {
-    REQUIRE(reconstructor->add(slice));
-    if (online) REQUIRE(reconstructor->update());
-  }
-  if (!online) REQUIRE(reconstructor->update());
-  return reconstructor->mesh().indexed();
+  return std::move(*reconstructor);
 }
+
+/// @param online  the mesh is updated after every slice, in the details given in turn
+IndexedMesh reconstruct(const std::vector<TrackedSlice>& slices, const std::vector<Detail>& online, int threads,
+                        DeviceChoice device, Detail last = Detail::full) {
+  Reconstructor reconstructor = make(slices, threads, device);
+  std::size_t n = 0;
+  for (const TrackedSlice& slice : slices) {
+    REQUIRE(reconstructor.add(slice));
+    if (!online.empty()) REQUIRE(reconstructor.update(online[n++ % online.size()]));
+  }
+  REQUIRE(reconstructor.update(last));
+  return reconstructor.mesh().indexed();
+}
+
+const std::vector<Detail> kBatch = {}, kOnline = {Detail::full},
+                          kMixed = {Detail::coarse, Detail::coarse, Detail::full};
 
 }  // namespace
 
@@ -41,9 +52,24 @@ TEST_CASE("reconstructor: slices inserted one by one end in the batch's mesh, by
     const auto file = test::read_recorded_slices(name);
     if (!file) continue;
     CAPTURE(name);
-    const IndexedMesh batch = reconstruct(file->slices, false, 1, DeviceChoice::cpu);
+    const IndexedMesh batch = reconstruct(file->slices, kBatch, 1, DeviceChoice::cpu);
     CHECK(batch.triangles.size() > 1000);
-    CHECK(same_bytes(batch, reconstruct(file->slices, true, 2, DeviceChoice::cpu)));
-    CHECK(same_bytes(batch, reconstruct(file->slices, false, 2, DeviceChoice::cpu)));
+    CHECK(same_bytes(batch, reconstruct(file->slices, kOnline, 2, DeviceChoice::cpu)));
+    CHECK(same_bytes(batch, reconstruct(file->slices, kBatch, 2, DeviceChoice::cpu)));
+  }
+}
+
+TEST_CASE("reconstructor: coarse meshes in between leave no trace in the full one, nor full ones in the coarse one") {
+  for (const std::string name : {"csl/Vetebrae.csl", "contour/mousebrain.contour"}) {
+    const auto file = test::read_recorded_slices(name);
+    if (!file) continue;
+    CAPTURE(name);
+    const IndexedMesh full = reconstruct(file->slices, kBatch, 1, DeviceChoice::cpu);
+    const IndexedMesh coarse = reconstruct(file->slices, kBatch, 1, DeviceChoice::cpu, Detail::coarse);
+    CHECK(same_bytes(full, reconstruct(file->slices, kMixed, 2, DeviceChoice::cpu)));
+    CHECK(same_bytes(coarse, reconstruct(file->slices, kMixed, 2, DeviceChoice::cpu, Detail::coarse)));
+    MESSAGE(name, ": ", full.triangles.size(), " triangles in full, ", coarse.triangles.size(), " coarse");
+    CHECK(coarse.triangles.size() < full.triangles.size() / 3);
+    CHECK(coarse.triangles.size() > full.triangles.size() / 6);
   }
 }

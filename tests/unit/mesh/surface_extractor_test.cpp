@@ -27,11 +27,13 @@ class HandLattice final : public SampleLattice {
     const auto found = std::find_if(bricks_.begin(), bricks_.end(), [&](const Brick& b) { return b.coord == coord; });
     return found == bricks_.end() ? nullptr : &*found;
   }
+  [[nodiscard]] std::span<const ContourPiece> contours(BrickCoord) const override { return contours_; }
   [[nodiscard]] Eigen::Vector3d origin_mm() const override { return Eigen::Vector3d::Zero(); }
   [[nodiscard]] double spacing_mm() const override { return 1; }
 
  private:
   std::vector<Brick> bricks_;
+  std::vector<ContourPiece> contours_;
 };
 
 /// All outside but for one point; `share` is that of every label everywhere.

@@ -200,3 +200,36 @@ TEST_CASE("statistics: a chunk that vanishes takes its triangles and its volume 
   REQUIRE(labels.size() == 1);
   CHECK(labels[0].label == 3);
 }
+
+TEST_CASE("scan: slices that come faster than full meshes get coarse ones, and a full one when they end") {
+  auto options = ball_scan_options();
+  options.reconstructor.spacing_mm = 0.5;  // a full mesh takes longer than the millisecond between two slices
+  options.stream.mode = device::StreamMode::live;
+  options.queue_capacity = kSlices;
+  auto device_options = ball_device_options();
+  device_options.rate_hz = 1000;
+  device_sim::LoopbackDevice device(device_options, ball_source(kSlices));
+  ScanInbox inbox;
+  const auto scan = open_scan(device.port(), options);
+  REQUIRE(scan->start(inbox.callbacks()));
+  REQUIRE(inbox.wait_for(ScanEventKind::end_of_data));
+  scan->stop();
+
+  const auto updates = inbox.updates();
+  std::size_t coarse = 0;
+  for (std::size_t i = 1; i < updates.size(); ++i) {
+    coarse += updates[i]->detail == Detail::coarse ? 1 : 0;
+    CHECK(updates[i]->revision == updates[i - 1]->revision + updates[i]->slices.size());
+    if (updates[i]->detail == updates[i - 1]->detail) continue;
+    std::set<BrickCoord> all;
+    for (const auto& update : {updates[i - 1], updates[i]})
+      for (const auto& chunk : update->mesh.chunks) all.insert(chunk->coord);
+    CHECK(std::vector<BrickCoord>(all.begin(), all.end()) == updates[i]->changed_chunks);
+  }
+  CHECK(coarse > 0);
+  const MeshUpdate& last = *updates.back();
+  CHECK(last.detail == Detail::full);
+  CHECK(last.revision == kSlices);
+  for (const auto& update : updates)
+    if (update->detail == Detail::coarse) CHECK(update->mesh.indexed().triangles.size() < last.size.triangles);
+}

@@ -1,0 +1,73 @@
+#include <doctest/doctest.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+
+#include "core/mesh/surface_extractor.h"
+
+namespace sonoloft::test {
+namespace {
+
+/// One brick: label 1 for z <= 3 and outside above, so that the samples put the surface at z = 3.5.
+class SlabLattice final : public SampleLattice {
+ public:
+  explicit SlabLattice(std::vector<ContourPiece> contours) : contours_(std::move(contours)) {
+    brick_.palette = {0, 1};
+    for (int i = 0; i < kBrickSamples; ++i) brick_.label[static_cast<std::size_t>(i)] = i >> 6 <= 3 ? Label{1} : kOutside;
+    for (const Label of : brick_.palette)
+      for (const Label label : brick_.label) brick_.share.push_back(label == of ? 1.0F : 0.0F);
+  }
+  [[nodiscard]] const Brick* find(BrickCoord coord) const override { return coord == brick_.coord ? &brick_ : nullptr; }
+  [[nodiscard]] std::span<const ContourPiece> contours(BrickCoord) const override { return contours_; }
+  [[nodiscard]] Eigen::Vector3d origin_mm() const override { return Eigen::Vector3d::Zero(); }
+  [[nodiscard]] double spacing_mm() const override { return 1; }
+
+ private:
+  Brick brick_{};
+  std::vector<ContourPiece> contours_;
+};
+
+std::vector<Eigen::Vector3f> vertices(const std::vector<ContourPiece>& contours) {
+  SurfaceExtractor extractor;
+  extractor.update(SlabLattice(contours), std::vector<BrickCoord>{{0, 0, 0}}, 1);
+  return extractor.snapshot().indexed().positions;
+}
+
+const ContourPiece kPiece{{1.3F, 1.2F, 3.2F}, {5.8F, 4.1F, 3.8F}, 0, 1};
+
+double distance(const Eigen::Vector3f& p) {
+  const Eigen::Vector3f along = kPiece.b - kPiece.a;
+  const float t = std::clamp(along.dot(p - kPiece.a) / along.squaredNorm(), 0.0F, 1.0F);
+  return (kPiece.a + t * along - p).norm();
+}
+
+}  // namespace
+
+TEST_CASE("mesh: the cells that a contour runs through have their vertices on it, the others stay") {
+  int on_contour = 0;
+  for (const Eigen::Vector3f& p : vertices({kPiece})) {
+    if (distance(p) < 0.05)  // the margin that a vertex keeps from the sides of its cell, in two axes
+      ++on_contour;
+    else
+      CHECK(p.z() == 3.5F);
+  }
+  CHECK(on_contour == 8);  // the cells of layer 3 that the piece crosses: 5 along x, and 3 steps along y
+}
+
+TEST_CASE("mesh: of two contours in a cell the nearer one has the vertex") {
+  ContourPiece farther = kPiece;
+  farther.a.z() = farther.b.z() = 3.03F;
+  const auto alone = vertices({kPiece});
+  CHECK(vertices({kPiece, kPiece}) == alone);
+  int same = 0;
+  for (const auto& both = vertices({farther, kPiece}); const Eigen::Vector3f& p : both) same += distance(p) < 0.05;
+  CHECK(same >= 7);  // where the two cross the same side of a cell, the pieces in it may differ
+}
+
+TEST_CASE("mesh: a contour of other labels moves nothing") {
+  ContourPiece other = kPiece;
+  other.upper = 2;
+  CHECK(vertices({other}) == vertices({}));
+}
+
+}  // namespace sonoloft::test

@@ -44,18 +44,31 @@ class CellReader {
   void read(LocalPoint at) {
     const auto id = static_cast<std::uint16_t>(sample_index(at.x, at.y, at.z));
     block_.cell_labels(at, cell_);
+    block_.cell_shares(at, cell_);
     for (std::uint16_t axis = 0; axis < 3; ++axis)
-      if (const std::size_t upper = std::size_t{1} << axis; cell_.owner[0] != cell_.owner[upper])
-        out_.edges.push_back({id, axis, cell_.label[cell_.owner[0]], cell_.label[cell_.owner[upper]]});
+      if (const unsigned upper = 1u << axis; cell_.owner[0] != cell_.owner[upper])
+        out_.edges.push_back({id, axis, cell_.label[cell_.owner[0]], cell_.label[cell_.owner[upper]],
+                              to_fixed(crossing(cell_, 0, upper))});
     if (is_simple(cell_))
-      add_simple(at, id);
+      add_simple(id);
     else
-      out_.complex_cells.push_back(id);
+      add_complex(id);
   }
 
  private:
-  void add_simple(LocalPoint at, std::uint16_t id) {
-    block_.cell_shares(at, cell_);
+  void add_complex(std::uint16_t id) {
+    CellSamples samples{};
+    const auto count = static_cast<std::size_t>(cell_.label_count);
+    samples.label_count = cell_.label_count;
+    samples.owner = cell_.owner;
+    std::copy_n(cell_.label.begin(), count, samples.label.begin());
+    std::copy_n(cell_.corners.begin(), count, samples.corners.begin());
+    std::copy_n(cell_.share.begin(), count, samples.share.begin());
+    out_.complex_cells.push_back(id);
+    out_.complex_samples.push_back(samples);
+  }
+
+  void add_simple(std::uint16_t id) {
     const int equations = gaps_of(cell_, gaps_);
     // Two labels: along the surface. Three: along the line where they meet, or it would shrink. More: a junction,
     // fixed.
@@ -114,6 +127,7 @@ void BrickCells::clear() {
   slot.assign(kBrickSamples, kNoSlot);
   simple_cells.clear();
   complex_cells.clear();
+  complex_samples.clear();
   edges.clear();
   placed.clear();
   pull.clear();
@@ -123,8 +137,9 @@ void BrickCells::clear() {
 
 bool BrickCells::same_as(const BrickCells& other) const {
   return same_bytes(simple_cells, other.simple_cells) && same_bytes(complex_cells, other.complex_cells) &&
-         edges == other.edges && same_bytes(placed, other.placed) && same_bytes(pull, other.pull) &&
-         same_bytes(equations, other.equations) && same_bytes(gaps, other.gaps);
+         same_bytes(complex_samples, other.complex_samples) && edges == other.edges &&
+         same_bytes(placed, other.placed) && same_bytes(pull, other.pull) && same_bytes(equations, other.equations) &&
+         same_bytes(gaps, other.gaps);
 }
 
 bool BrickNet::read(ReadScratch& scratch, const SampleLattice& lattice, const BrickCoord& coord) {
@@ -184,9 +199,32 @@ bool BrickNet::relax(const std::array<const BrickNet*, 6>& beside) {
     if (mean_beside(s, beside, mean)) relaxed[s] = relax_vertex(cells_.placed[s], mean, gaps, equations);
     gaps += 8 * equations;
   }
+  changed_sides_ = sides_of_change(relaxed);
   const bool same = same_bytes(relaxed, relaxed_);
   relaxed_ = std::move(relaxed);
+  relaxed_cells_ = cells_.simple_cells;
   return !same;
+}
+
+unsigned BrickNet::sides_of_change(const std::vector<CellPoint>& relaxed) const {
+  unsigned sides = 0;
+  const auto add = [&](std::uint16_t cell) {
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      const int at = cell >> (3 * axis) & 7;
+      if (at == 0) sides |= 1u << (2 * axis);
+      if (at == kBrickSize - 1) sides |= 2u << (2 * axis);
+    }
+  };
+  std::size_t before = 0;
+  for (std::size_t s = 0; s < relaxed.size(); ++s) {
+    const std::uint16_t cell = cells_.simple_cells[s];
+    for (; before < relaxed_cells_.size() && relaxed_cells_[before] < cell; ++before) add(relaxed_cells_[before]);
+    const bool known = before < relaxed_cells_.size() && relaxed_cells_[before] == cell;
+    if (!known || relaxed_[before] != relaxed[s]) add(cell);
+    before += known ? 1 : 0;
+  }
+  for (; before < relaxed_cells_.size(); ++before) add(relaxed_cells_[before]);
+  return sides;
 }
 
 }  // namespace sonoloft

@@ -13,14 +13,17 @@ struct MixedEdge {
   std::uint16_t cell;  ///< sample_index of the lower end
   std::uint16_t axis;
   Label lower, upper;
+  std::uint16_t crossing;  ///< where the labels meet: 1/65536 of the way from the lower end
   friend bool operator==(const MixedEdge&, const MixedEdge&) = default;
 };
 
-/// What its own samples and the layer above say about the cells of one brick. Only mixed cells with 8 sampled corners.
+/// What its own samples and the layer above say about the cells of one brick: all that is drawn from them. Only mixed
+/// cells with 8 sampled corners.
 struct BrickCells {
   std::vector<std::uint16_t> slot;           ///< [kBrickSamples] index into simple_cells, or kNoSlot; [0] if #S = 0
   std::vector<std::uint16_t> simple_cells;   ///< [#S] sample_index, ascending
   std::vector<std::uint16_t> complex_cells;  ///< [#C] sample_index, ascending
+  std::vector<CellSamples> complex_samples;  ///< [#C] 0 beyond label_count
   std::vector<MixedEdge> edges;              ///< those that the brick owns
   std::vector<CellPoint> placed;             ///< [#S] vertices
   std::vector<std::uint8_t> pull;            ///< [#S] faces towards whose cells the vertex is drawn
@@ -54,6 +57,10 @@ class BrickNet {
   /// @param beside  the nets of the bricks at -x +x -y +y -z +z, null where there is none
   bool relax(const std::array<const BrickNet*, 6>& beside);
 
+  /// Sides of the brick (bit 2 * axis + (1 for the upper one)) with a cell whose vertex the last relax() moved, made or
+  /// removed: beyond them, chunks are drawn anew.
+  [[nodiscard]] unsigned changed_sides() const { return changed_sides_; }
+
   [[nodiscard]] const BrickCells& cells() const { return cells_; }
   [[nodiscard]] bool empty() const { return cells_.simple_cells.empty() && cells_.complex_cells.empty(); }
   /// The finished vertex of a cell by its sample_index, null when the cell is not simple.
@@ -64,10 +71,13 @@ class BrickNet {
     const std::uint16_t slot = cells_.slot.empty() ? BrickCells::kNoSlot : cells_.slot[cell];
     return slot == BrickCells::kNoSlot ? nullptr : &vertices[slot];
   }
+  [[nodiscard]] unsigned sides_of_change(const std::vector<CellPoint>& relaxed) const;
   bool mean_beside(std::size_t s, const std::array<const BrickNet*, 6>& beside, Eigen::Vector3f& mean) const;
 
   BrickCells cells_;
-  std::vector<CellPoint> relaxed_;  ///< [#S]
+  std::vector<CellPoint> relaxed_;            ///< [#relaxed_cells_]
+  std::vector<std::uint16_t> relaxed_cells_;  ///< sample_index, ascending; simple_cells when relaxed_ was made
+  unsigned changed_sides_ = 0;
 };
 
 /// A brick's net and the 26 around it, as one grid of cells -1..8 in each axis.

@@ -118,10 +118,7 @@ Eigen::Vector3f to_steps(const CellPoint& point) {
 
 CellPoint to_cell_point(const Eigen::Vector3f& steps) {
   const Eigen::Vector3f p = keep_inside(steps);
-  CellPoint fixed;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    fixed[axis] = static_cast<std::uint16_t>(p[static_cast<int>(axis)] * static_cast<float>(kStep) + 0.5F);
-  return fixed;
+  return {to_fixed(p.x()), to_fixed(p.y()), to_fixed(p.z())};
 }
 
 CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations) {

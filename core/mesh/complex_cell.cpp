@@ -25,10 +25,8 @@ struct Simplex {
 
 class CellDrawer {
  public:
-  CellDrawer(SampleBlock& block, LocalPoint cell, ChunkBuffer& chunk) : cell_(cell), chunk_(chunk) {
-    block.cell_labels(cell, samples_);
-    block.cell_shares(cell, samples_);
-  }
+  CellDrawer(const CellSamples& samples, LocalPoint cell, ChunkBuffer& chunk)
+      : cell_(cell), chunk_(chunk), samples_(samples) {}
 
   /// The node inside a simplex all of whose labels differ: the mean of the crossings on its edges. Kept in its open
   /// simplex by rounding too, since coordinates that are equal all over the simplex stay equal.
@@ -73,7 +71,7 @@ class CellDrawer {
   }
 
   void add_crossing(unsigned lower, unsigned upper, BrickPoint& sum) const {
-    const auto t = static_cast<std::int32_t>(crossing(samples_, lower, upper) * static_cast<float>(kStep) + 0.5F);
+    const std::int32_t t = to_fixed(crossing(samples_, lower, upper));
     for (unsigned axis = 0; axis < 3; ++axis)
       sum[axis] += (lower >> axis & 1 ? kStep : 0) + ((lower ^ upper) >> axis & 1 ? t : 0);
   }
@@ -117,17 +115,22 @@ class CellDrawer {
 
   LocalPoint cell_;
   ChunkBuffer& chunk_;
-  CellSamples samples_;
+  const CellSamples& samples_;
 };
 
 }  // namespace
 
-std::uint32_t edge_node(SampleBlock& block, LocalPoint lower, int axis, ChunkBuffer& chunk) {
-  return CellDrawer(block, lower, chunk).node({2, {0, 1u << axis}});
+std::uint32_t edge_node(const MixedEdge& edge, ChunkBuffer& chunk) {
+  const LocalPoint lower = local_point(edge.cell);
+  return chunk.node(lower, simplex_kind(1u << edge.axis, 0, false), [&] {
+    CellPoint on{};
+    on[edge.axis] = edge.crossing;
+    return lower + on;
+  });
 }
 
-void draw_complex_cell(SampleBlock& block, const NetGrid& nets, LocalPoint cell, ChunkBuffer& chunk) {
-  CellDrawer drawer(block, cell, chunk);
+void draw_complex_cell(const CellSamples& samples, const NetGrid& nets, LocalPoint cell, ChunkBuffer& chunk) {
+  CellDrawer drawer(samples, cell, chunk);
   drawer.draw_tetrahedra();
   for (unsigned face = 0; face < 6; ++face) {
     const unsigned axis = face / 2;

@@ -1,15 +1,14 @@
 #pragma once
 #include "core/mesh/brick_net.h"
 #include "core/mesh/chunk_buffer.h"
-#include "core/mesh/sample_block.h"
 
 namespace sonoloft {
 
-/// The index of the vertex on the lattice edge from `lower` along `axis`, where the labels of its ends meet.
-[[nodiscard]] std::uint32_t edge_node(SampleBlock& block, LocalPoint lower, int axis, ChunkBuffer& chunk);
+/// The index of the vertex on a lattice edge, where the labels of its ends meet.
+[[nodiscard]] std::uint32_t edge_node(const MixedEdge& edge, ChunkBuffer& chunk);
 
 /// Draws what lies in a cell that is not simple: marching tetrahedra in the six tetrahedra of its Kuhn subdivision, and
 /// for each simple cell beside it the cone from that cell's vertex over what the tetrahedra leave on the common face.
-void draw_complex_cell(SampleBlock& block, const NetGrid& nets, LocalPoint cell, ChunkBuffer& chunk);
+void draw_complex_cell(const CellSamples& samples, const NetGrid& nets, LocalPoint cell, ChunkBuffer& chunk);
 
 }  // namespace sonoloft

@@ -54,7 +54,7 @@ struct Ring {
   std::array<const CellPoint*, 4> vertex;  ///< null where the cell is not simple
   EdgeQuad quad;                           ///< of those that are
 
-  Ring(const NetGrid& nets, const MixedEdge& edge) : lower{edge.cell & 7, edge.cell >> 3 & 7, edge.cell >> 6} {
+  Ring(const NetGrid& nets, const MixedEdge& edge) : lower(local_point(edge.cell)) {
     const std::size_t w = edge.axis, u = (w + 1) % 3, v = (w + 2) % 3;
     for (std::size_t i = 0; i < 4; ++i) {
       const int du = i == 1 || i == 2 ? -1 : 0, dv = i >= 2 ? -1 : 0;
@@ -81,7 +81,7 @@ std::optional<int> safe_diagonal(const EdgeQuad& quad) {
   return sharp02 >= sharp13 ? 0 : 1;
 }
 
-bool draw_edge(SampleBlock& block, const NetGrid& nets, const MixedEdge& edge, ChunkBuffer& chunk) {
+bool draw_edge(const NetGrid& nets, const MixedEdge& edge, ChunkBuffer& chunk) {
   const Ring ring(nets, edge);
   const auto draw = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {  // counter-clockwise about the edge
     chunk.add_triangle(a, b, c, edge.upper, edge.lower);
@@ -97,8 +97,7 @@ bool draw_edge(SampleBlock& block, const NetGrid& nets, const MixedEdge& edge, C
     }
   }
   for (std::size_t i = 0; i < 4; ++i)
-    if (ring.vertex[i] && ring.vertex[(i + 1) % 4])
-      draw(edge_node(block, ring.lower, edge.axis, chunk), corner(i), corner(i + 1));
+    if (ring.vertex[i] && ring.vertex[(i + 1) % 4]) draw(edge_node(edge, chunk), corner(i), corner(i + 1));
   return all_simple;
 }
 

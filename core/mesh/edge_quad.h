@@ -20,6 +20,6 @@ using EdgeQuad = std::array<std::array<std::int32_t, 3>, 4>;
 /// Draws the surface that crosses a lattice edge, as far as it lies in simple cells: a quad when all four cells around
 /// the edge are simple, otherwise, or when neither diagonal is safe, triangles about a node on the edge.
 /// @return true if a quad had to be drawn as four triangles
-bool draw_edge(SampleBlock& block, const NetGrid& nets, const MixedEdge& edge, ChunkBuffer& chunk);
+bool draw_edge(const NetGrid& nets, const MixedEdge& edge, ChunkBuffer& chunk);
 
 }  // namespace sonoloft

@@ -23,10 +23,20 @@ struct LocalPoint {
   int x, y, z;
 };
 
+/// The point with a sample_index.
+inline LocalPoint local_point(int index) {
+  return {index & 7, index >> 3 & 7, index >> 6};
+}
+
 /// Cell corners and the vectors between them are bit sets: bit 0 = x, bit 1 = y, bit 2 = z.
 inline LocalPoint corner_of(LocalPoint cell, unsigned corner) {
   return {cell.x + static_cast<int>(corner & 1), cell.y + static_cast<int>(corner >> 1 & 1),
           cell.z + static_cast<int>(corner >> 2 & 1)};
+}
+
+/// A length of less than one lattice step.
+inline std::uint16_t to_fixed(float steps) {
+  return static_cast<std::uint16_t>(steps * static_cast<float>(kStep) + 0.5F);
 }
 
 inline BrickPoint operator+(LocalPoint cell, const CellPoint& p) {

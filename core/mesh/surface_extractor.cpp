@@ -37,6 +37,15 @@ constexpr std::array<BrickCoord, 10> kDrawnFrom = {{{0, 0, 0},
                                                     {0, 1, 0},
                                                     {0, 0, 1}}};
 
+/// The sides of a brick, as in BrickNet::changed_sides(), that the chunk at -d from it is drawn from.
+unsigned sides_seen(const BrickCoord& d) {
+  unsigned sides = 0;
+  const std::array<std::int32_t, 3> offset = {d.x, d.y, d.z};
+  for (unsigned axis = 0; axis < 3; ++axis)
+    if (offset[axis] != 0) sides |= (offset[axis] < 0 ? 2u : 1u) << (2 * axis);
+  return sides;
+}
+
 void sort_unique(std::vector<BrickCoord>& bricks) {
   std::sort(bricks.begin(), bricks.end());
   bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
@@ -52,26 +61,23 @@ struct BrickState {
 /// Draws chunks from finished nets.
 class ChunkDrawer {
  public:
-  explicit ChunkDrawer(const SampleLattice& lattice)
-      : lattice_(lattice), frame_{lattice.origin_mm(), lattice.spacing_mm()} {}
+  explicit ChunkDrawer(const LatticeFrame& frame) : frame_(frame) {}
 
   /// True if the chunk comes out different from what it was.
   bool draw(const BrickCoord& coord, const NetGrid& nets, BrickState& state) {
     buffer_.start(coord);
-    block_.select(lattice_, coord);
     state.fans = 0;
-    for (const MixedEdge& edge : state.net.cells().edges) state.fans += draw_edge(block_, nets, edge, buffer_);
-    for (const int id : state.net.cells().complex_cells)
-      draw_complex_cell(block_, nets, {id & 7, id >> 3 & 7, id >> 6}, buffer_);
+    for (const MixedEdge& edge : state.net.cells().edges) state.fans += draw_edge(nets, edge, buffer_);
+    const BrickCells& cells = state.net.cells();
+    for (std::size_t i = 0; i < cells.complex_cells.size(); ++i)
+      draw_complex_cell(cells.complex_samples[i], nets, local_point(cells.complex_cells[i]), buffer_);
     const ChunkPtr before = std::exchange(state.chunk, buffer_.finish(frame_, state.chunk));
     state.collapsed_triangles = buffer_.collapsed_triangles();
     return state.chunk != before;
   }
 
  private:
-  const SampleLattice& lattice_;
   LatticeFrame frame_;
-  SampleBlock block_;
   ChunkBuffer buffer_;
 };
 
@@ -109,15 +115,10 @@ struct SurfaceExtractor::State {
     return result;
   }
 
-  /// Reads the cells with a corner in `changed`. Returns (bricks read, those of them that differ).
+  /// Reads cells. Returns (bricks read, those of them that differ).
   std::pair<std::vector<BrickCoord>, std::vector<BrickCoord>> read(const SampleLattice& lattice,
                                                                    std::span<const BrickCoord> changed, int threads) {
-    std::vector<BrickCoord> to_read;
-    for (const BrickCoord& coord : changed)
-      for (unsigned corner = 0; corner < 8; ++corner) {
-        const LocalPoint d = corner_of({0, 0, 0}, corner);
-        to_read.push_back(coord - BrickCoord{d.x, d.y, d.z});
-      }
+    std::vector<BrickCoord> to_read(changed.begin(), changed.end());
     sort_unique(to_read);
     std::erase_if(to_read, [&](const BrickCoord& c) { return !lattice.find(c) && !bricks.contains(c); });
     for (const BrickCoord& coord : to_read) bricks.try_emplace(coord);
@@ -144,9 +145,9 @@ struct SurfaceExtractor::State {
   }
 
   /// Draws chunks again. Returns those that differ.
-  std::vector<BrickCoord> draw(const SampleLattice& lattice, const std::vector<BrickCoord>& coords, int threads) {
+  std::vector<BrickCoord> draw(const LatticeFrame& frame, const std::vector<BrickCoord>& coords, int threads) {
     return for_each(
-        coords, threads, [&] { return ChunkDrawer(lattice); },
+        coords, threads, [&] { return ChunkDrawer(frame); },
         [&](const BrickCoord& coord, BrickState& state, ChunkDrawer& drawer) {
           NetGrid nets{};
           for (const BrickCoord& d : kDrawnFrom) nets.nets[NetGrid::index(d.x, d.y, d.z)] = net(coord + d);
@@ -166,14 +167,16 @@ std::vector<BrickCoord> SurfaceExtractor::update(const SampleLattice& lattice, s
   const auto [read, differ] = state.read(lattice, changed, threads);
   const std::vector<BrickCoord> moved = state.relax(differ, threads);
 
-  // A chunk is a function of the samples of the bricks whose change made us read its own, and of the nets around it.
-  std::vector<BrickCoord> to_draw = read;
-  std::vector<BrickCoord> net_changed;
+  // A chunk is a function of the nets around it.
+  std::vector<BrickCoord> to_draw, net_changed;
   std::set_union(differ.begin(), differ.end(), moved.begin(), moved.end(), std::back_inserter(net_changed));
-  for (const BrickCoord& coord : net_changed)
-    for (const BrickCoord& d : kDrawnFrom) to_draw.push_back(coord - d);
+  for (const BrickCoord& coord : net_changed) {
+    const unsigned sides = state.bricks.find(coord)->second.net.changed_sides();
+    for (const BrickCoord& d : kDrawnFrom)
+      if ((sides_seen(d) & ~sides) == 0) to_draw.push_back(coord - d);
+  }
   to_draw = state.present(std::move(to_draw));
-  std::vector<BrickCoord> redrawn = state.draw(lattice, to_draw, threads);
+  std::vector<BrickCoord> redrawn = state.draw({lattice.origin_mm(), lattice.spacing_mm()}, to_draw, threads);
 
   for (const BrickCoord& coord : redrawn) {
     if (const ChunkPtr& chunk = state.bricks[coord].chunk)

@@ -35,13 +35,13 @@ class SurfaceExtractor {
   SurfaceExtractor& operator=(SurfaceExtractor&&) noexcept;
 
   /// Brings the mesh up to date.
-  /// @param changed  bricks whose samples changed, appeared or vanished since the last update(), in any order; the
-  ///                 first update() names all bricks
+  /// @param changed  bricks with a cell of which a corner's sample or a contour changed, appeared or vanished since the
+  ///                 last update(), in any order; the first update() names all bricks
   /// @return chunks whose content changed, appeared or vanished, ascending
   /// @pre  the lattice obeys the postcondition of SampleLattice, has the same origin and spacing in every call, and
   ///       lattice coordinates within -2^18 .. 2^18 - 1; threads >= 1
   /// @post snapshot() is what a new extractor would make of the whole lattice, byte for byte
-  /// @cost O(samples of `changed` and of the bricks beside them)
+  /// @cost O(samples of `changed`, triangles of these bricks and of those beside them)
   std::vector<BrickCoord> update(const SampleLattice& lattice, std::span<const BrickCoord> changed, int threads);
 
   /// The mesh now. Chunks are shared with earlier snapshots where they did not change.

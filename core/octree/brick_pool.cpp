@@ -31,15 +31,26 @@ std::uint32_t BrickPool::find_or_add(BrickCoord coord) {
     free_.pop_back();
     *bricks_[it->second] = WorkBrick{};
   }
-  WorkBrick& brick = *bricks_[it->second];
+  const std::uint32_t index = it->second;
+  WorkBrick& brick = *bricks_[index];
   brick.coord = brick.smooth.coord = coord;
+  for (int i = 0; i < 27; ++i)
+    brick.around[static_cast<std::size_t>(i)] =
+        find({coord.x + i % 3 - 1, coord.y + i / 3 % 3 - 1, coord.z + i / 9 - 1});
+  name_to_neighbours(brick, index);
   brick.cell.fill(kNoCell);
   brick.label.fill(kNotSampled);
   brick.smooth.label.fill(kNotSampled);
-  return it->second;
+  return index;
+}
+
+void BrickPool::name_to_neighbours(const WorkBrick& brick, std::uint32_t name) {
+  for (std::size_t i = 0; i < 27; ++i)  // seen from there it lies on the opposite side
+    if (const std::uint32_t there = brick.around[i]; there != kNoBrick) bricks_[there]->around[26 - i] = name;
 }
 
 void BrickPool::remove(std::uint32_t brick) {
+  name_to_neighbours(*bricks_[brick], kNoBrick);
   index_.erase(bricks_[brick]->coord);
   free_.push_back(brick);
 }

@@ -24,9 +24,15 @@ struct ShareTable {
   [[nodiscard]] const float* find(Label label) const;
 };
 
+/// Index of the brick at (x, y, z) from another one, each -1, 0 or 1, among the 27 around that.
+constexpr std::size_t beside(int x, int y, int z) {
+  return static_cast<std::size_t>((x + 1) + 3 * (y + 1) + 9 * (z + 1));
+}
+
 /// All that is known of a brick: what was sampled, and what smoothing made of it.
 struct WorkBrick {
   BrickCoord coord{};
+  std::array<std::uint32_t, 27> around;       ///< [beside()] index of the brick there, kNoBrick; its own in the middle
   std::uint8_t seeds = 0;                     ///< octants that a contour runs through
   std::uint8_t active = 0;                    ///< octants whose corners are sampled
   std::array<std::uint8_t, 8> mixed_faces{};  ///< [octant] see mixed_faces()
@@ -49,12 +55,20 @@ class BrickPool {
   std::uint32_t find_or_add(BrickCoord coord);
   void remove(std::uint32_t brick);
 
+  /// The brick at (x, y, z) from `brick`, each -1, 0 or 1.
+  std::uint32_t find_or_add_beside(const WorkBrick& brick, int x, int y, int z) {
+    const std::uint32_t there = brick.around[beside(x, y, z)];
+    return there != kNoBrick ? there : find_or_add({brick.coord.x + x, brick.coord.y + y, brick.coord.z + z});
+  }
+
   [[nodiscard]] WorkBrick& operator[](std::uint32_t brick) { return *bricks_[brick]; }
   [[nodiscard]] const WorkBrick& operator[](std::uint32_t brick) const { return *bricks_[brick]; }
   [[nodiscard]] std::size_t capacity() const { return bricks_.size(); }  ///< indices are below this
   [[nodiscard]] std::size_t size() const { return index_.size(); }
 
  private:
+  void name_to_neighbours(const WorkBrick& brick, std::uint32_t name);
+
   std::unordered_map<BrickCoord, std::uint32_t, BrickCoordHash> index_;
   std::vector<std::unique_ptr<WorkBrick>> bricks_;
   std::vector<std::uint32_t> free_;

@@ -9,10 +9,10 @@ namespace sonoloft {
 
 /// The samples of the octant lie in its brick and, on its upper sides, in the bricks above.
 void OctantGrowth::disturb(Octant octant) {
-  const BrickCoord b = octant.brick();
+  const WorkBrick& brick = bricks_[bricks_.find_or_add(octant.brick())];
   const int upper = octant.index();
   for (int i = 0; i < 8; ++i)
-    if ((upper & i) == i) disturbed_.add(bricks_.find_or_add({b.x + (i & 1), b.y + ((i >> 1) & 1), b.z + (i >> 2)}));
+    if ((upper & i) == i) disturbed_.add(bricks_.find_or_add_beside(brick, i & 1, (i >> 1) & 1, i >> 2));
 }
 
 void OctantGrowth::activate(Octant octant) {
@@ -29,8 +29,7 @@ IndexSet OctantGrowth::take_disturbed() {
 SampleMask OctantGrowth::needed(const WorkBrick& brick) const {
   SampleMask mask;
   for (int i = 0; i < 8; ++i) {
-    const std::uint32_t index =
-        bricks_.find({brick.coord.x - (i & 1), brick.coord.y - ((i >> 1) & 1), brick.coord.z - (i >> 2)});
+    const std::uint32_t index = brick.around[beside(-(i & 1), -((i >> 1) & 1), -(i >> 2))];
     if (index == kNoBrick) continue;
     for (int octant = 0; octant < 8; ++octant) {
       // Of the bricks below only the octants next to this one reach here.
@@ -50,8 +49,7 @@ void OctantGrowth::refresh_faces(WorkBrick& brick) const {
   }();
   std::array<const Label*, 8> from;  // this brick and those above, of which only the lowest layer is wanted
   for (int i = 0; i < 8; ++i) {
-    const std::uint32_t index =
-        bricks_.find({brick.coord.x + (i & 1), brick.coord.y + ((i >> 1) & 1), brick.coord.z + (i >> 2)});
+    const std::uint32_t index = brick.around[beside(i & 1, (i >> 1) & 1, i >> 2)];
     from[static_cast<std::size_t>(i)] = index == kNoBrick ? kNothing.data() : bricks_[index].label.data();
   }
   std::array<Label, 729> labels;
@@ -69,9 +67,8 @@ void OctantGrowth::refresh_faces(WorkBrick& brick) const {
 void OctantGrowth::follow(const std::vector<std::uint32_t>& resampled, int threads) {
   IndexSet bricks;
   for (const std::uint32_t index : resampled) {
-    const BrickCoord c = bricks_[index].coord;
     for (int i = 0; i < 8; ++i) {
-      const std::uint32_t below = bricks_.find({c.x - (i & 1), c.y - ((i >> 1) & 1), c.z - (i >> 2)});
+      const std::uint32_t below = bricks_[index].around[beside(-(i & 1), -((i >> 1) & 1), -(i >> 2))];
       if (below != kNoBrick && bricks_[below].active != 0) bricks.add(below);
     }
   }

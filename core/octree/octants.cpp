@@ -5,25 +5,42 @@
 namespace sonoloft {
 namespace {
 
-std::array<SampleMask, 27> make_corner_masks() {
-  std::array<SampleMask, 27> masks;
-  for (int i = 0; i < 27; ++i) {
-    const int first[3] = {kOctantCells * (i % 3 - 1), kOctantCells * (i / 3 % 3 - 1), kOctantCells * (i / 9 - 1)};
-    const auto inside = [&](int axis, int at) { return at >= first[axis] && at <= first[axis] + kOctantCells; };
+using Masks = std::array<SampleMask, 27>;  ///< one for each (x, y, z), each -1, 0 or 1
+
+constexpr std::size_t mask_index(int x, int y, int z) {
+  return static_cast<std::size_t>((x + 1) + 3 * (y + 1) + 9 * (z + 1));
+}
+
+/// The samples for which inside(d, at) holds in every axis; d is x, y or z of the mask, `at` the sample's coordinate.
+template <class Inside>
+Masks make_masks(const Inside& inside) {
+  Masks masks;
+  for (int i = 0; i < 27; ++i)
     for (int z = 0; z < kBrickSize; ++z)
       for (int y = 0; y < kBrickSize; ++y)
         for (int x = 0; x < kBrickSize; ++x)
-          if (inside(0, x) && inside(1, y) && inside(2, z))
+          if (inside(i % 3 - 1, x) && inside(i / 3 % 3 - 1, y) && inside(i / 9 - 1, z))
             masks[static_cast<std::size_t>(i)].set(sample_index(x, y, z));
-  }
   return masks;
 }
 
 }  // namespace
 
 const SampleMask& corners_of_octant(int x, int y, int z) {
-  static const std::array<SampleMask, 27> masks = make_corner_masks();
-  return masks[static_cast<std::size_t>((x + 1) + 3 * (y + 1) + 9 * (z + 1))];
+  static const Masks masks =
+      make_masks([](int d, int at) { return at >= kOctantCells * d && at <= kOctantCells * (d + 1); });
+  return masks[mask_index(x, y, z)];
+}
+
+const SampleMask& samples_near(int x, int y, int z) {
+  static const Masks masks =
+      make_masks([](int d, int at) { return d == 0 || (d < 0 ? at < 2 : at >= kBrickSize - 2); });
+  return masks[mask_index(x, y, z)];
+}
+
+const SampleMask& corners_for_below(int x, int y, int z) {
+  static const Masks masks = make_masks([](int d, int at) { return d == 0 || at == 0; });
+  return masks[mask_index(x, y, z)];
 }
 
 std::array<std::uint8_t, 8> mixed_faces(const std::array<Label, 729>& labels) {

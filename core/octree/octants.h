@@ -64,12 +64,22 @@ struct SampleMask {
     for (std::size_t z = 0; z < a.layer.size(); ++z) a.layer[z] |= b.layer[z];
     return a;
   }
+  friend SampleMask operator&(SampleMask a, const SampleMask& b) {
+    for (std::size_t z = 0; z < a.layer.size(); ++z) a.layer[z] &= b.layer[z];
+    return a;
+  }
   /// In a and not in b.
   friend SampleMask operator-(SampleMask a, const SampleMask& b) {
     for (std::size_t z = 0; z < a.layer.size(); ++z) a.layer[z] &= ~b.layer[z];
     return a;
   }
 };
+
+/// The samples of a brick that lie at most two steps from the brick beside it at (x, y, z), each -1, 0 or 1.
+[[nodiscard]] const SampleMask& samples_near(int x, int y, int z);
+
+/// The samples of a brick that are corners of cells of the brick below it, (x, y, z) each 0 or 1 brick away.
+[[nodiscard]] const SampleMask& corners_for_below(int x, int y, int z);
 
 /// The samples of a brick that are corners of the octant at (x, y, z), each -1 (in the brick below), 0 or 1.
 [[nodiscard]] const SampleMask& corners_of_octant(int x, int y, int z);

@@ -25,6 +25,22 @@ Label seen(Label label) {
   return label == kUnknown ? kOutside : label;
 }
 
+/// Samples that were taken anew or forgotten.
+class TouchedSamples {
+ public:
+  void add(std::uint32_t brick, const SampleMask& samples) {
+    if (brick >= samples_.size()) samples_.resize(brick + 1);
+    samples_[brick] = samples_[brick] | samples;
+    bricks_.add(brick);
+  }
+  [[nodiscard]] const std::vector<std::uint32_t>& bricks() const { return bricks_.items(); }
+  [[nodiscard]] const SampleMask& of(std::uint32_t brick) const { return samples_[brick]; }
+
+ private:
+  IndexSet bricks_;
+  std::vector<SampleMask> samples_;  ///< [brick]
+};
+
 }  // namespace
 
 struct SampleOctree::State {
@@ -41,11 +57,11 @@ struct SampleOctree::State {
   std::vector<Contour> new_contours;  ///< noted since the last update
 
   /// Hands the pieces of a contour to the bricks that it runs through, and switches on the octants.
-  void trace(const Contour& contour, OctantGrowth& growth, IndexSet& touched);
+  void trace(const Contour& contour, OctantGrowth& growth, IndexSet& contoured);
   [[nodiscard]] std::vector<SampleJob> stale_jobs();
   void add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs) const;
-  void drop_unneeded(OctantGrowth& growth, IndexSet& touched);
-  [[nodiscard]] std::vector<BrickCoord> smooth(const IndexSet& touched, const IndexSet& contoured, int threads,
+  void drop_unneeded(OctantGrowth& growth, TouchedSamples& touched);
+  [[nodiscard]] std::vector<BrickCoord> smooth(const TouchedSamples& touched, const IndexSet& contoured, int threads,
                                                std::size_t& smoothed);
 };
 
@@ -57,7 +73,7 @@ SampleOctree::~SampleOctree() = default;
 SampleOctree::SampleOctree(SampleOctree&&) noexcept = default;
 SampleOctree& SampleOctree::operator=(SampleOctree&&) noexcept = default;
 
-void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth, IndexSet& touched) {
+void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth, IndexSet& contoured) {
   const Eigen::Vector3d a = (contour.a - origin_mm) / spacing_mm, b = (contour.b - origin_mm) / spacing_mm;
   walk_grid(a / kOctantCells, b / kOctantCells, [&](double from, double to) {
     const Eigen::Vector3d p = a + from * (b - a), q = a + to * (b - a);
@@ -70,7 +86,7 @@ void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth, In
     brick.contours.push_back({(p - base).cast<float>(), (q - base).cast<float>(), contour.lower, contour.upper});
     brick.seeds |= octant.bit();
     growth.activate(octant);
-    touched.add(index);
+    contoured.add(index);
   });
 }
 
@@ -128,12 +144,12 @@ void SampleOctree::State::add_missing(OctantGrowth& growth, std::vector<SampleJo
 }
 
 /// Forgets samples that pruning left without an active octant, and bricks without samples.
-void SampleOctree::State::drop_unneeded(OctantGrowth& growth, IndexSet& touched) {
+void SampleOctree::State::drop_unneeded(OctantGrowth& growth, TouchedSamples& touched) {
   const IndexSet disturbed = growth.take_disturbed();
   for (const std::uint32_t index : disturbed.items()) {
     WorkBrick& brick = bricks[index];
     const SampleMask unneeded = brick.sampled - growth.needed(brick);
-    if (unneeded.any()) touched.add(index);
+    if (unneeded.any()) touched.add(index, unneeded);
     unneeded.for_each([&](int i) {
       brick.sampled.reset(i);
       brick.pinned.reset(i);
@@ -145,31 +161,34 @@ void SampleOctree::State::drop_unneeded(OctantGrowth& growth, IndexSet& touched)
 }
 
 /// Smooths what changed and what smoothing carries the change into.
-/// @return bricks whose smoothed samples or contours changed or vanished, ascending
-std::vector<BrickCoord> SampleOctree::State::smooth(const IndexSet& touched, const IndexSet& contoured, int threads,
-                                                    std::size_t& smoothed) {
+/// @return bricks with a cell of which a corner or a contour changed, ascending
+std::vector<BrickCoord> SampleOctree::State::smooth(const TouchedSamples& touched, const IndexSet& contoured,
+                                                    int threads, std::size_t& smoothed) {
   IndexSet reached;
-  for (const std::uint32_t index : contoured.items()) reached.add(index);
-  for (const std::uint32_t index : touched.items()) {
-    const BrickCoord c = bricks[index].coord;
+  for (const std::uint32_t index : touched.bricks())
     for (int i = 0; i < 27; ++i) {
-      const std::uint32_t near = bricks.find({c.x + i % 3 - 1, c.y + i / 3 % 3 - 1, c.z + i / 9 - 1});
-      if (near != kNoBrick) reached.add(near);
+      const std::uint32_t near = bricks[index].around[static_cast<std::size_t>(i)];
+      if (near != kNoBrick && (touched.of(index) & samples_near(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)).any())
+        reached.add(near);
     }
-  }
   const auto& items = reached.items();
-  std::vector<std::uint8_t> changed(items.size());
+  std::vector<SampleMask> changed(items.size());
   parallel_for(items.size(), 8, threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t n = first; n < last; ++n) changed[n] = smooth_brick(bricks, bricks[items[n]]) ? 1 : 0;
+    for (std::size_t n = first; n < last; ++n) changed[n] = smooth_brick(bricks, bricks[items[n]]);
   });
   smoothed = items.size();
   std::vector<BrickCoord> result;
+  for (const std::uint32_t index : contoured.items()) result.push_back(bricks[index].coord);
   for (std::size_t n = 0; n < items.size(); ++n) {
     const WorkBrick& brick = bricks[items[n]];
-    if (changed[n] != 0 || contoured.contains(items[n])) result.push_back(brick.coord);
+    const BrickCoord c = brick.coord;
+    for (int i = 0; i < 8; ++i)
+      if ((changed[n] & corners_for_below(i & 1, (i >> 1) & 1, i >> 2)).any())
+        result.push_back({c.x - (i & 1), c.y - ((i >> 1) & 1), c.z - (i >> 2)});
     if (!brick.sampled.any() && brick.seeds == 0) bricks.remove(items[n]);
   }
   std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
 
@@ -179,7 +198,7 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, Fiel
   s.bricks_of_cell.resize(cells.cell_count());
   Sampler sampler(cells, evaluator, s.origin_mm, s.spacing_mm, threads);
   OctantGrowth growth(s.bricks);
-  IndexSet touched;
+  TouchedSamples touched;
   std::vector<SampleJob> jobs = s.stale_jobs();
   IndexSet contoured;
   for (const State::Contour& contour : s.new_contours) s.trace(contour, growth, contoured);
@@ -192,7 +211,7 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, Fiel
     for (std::size_t j = 0; j < jobs.size(); ++j) {
       for (const std::uint32_t cell : (*found)[j]) s.bricks_of_cell[cell].push_back(jobs[j].brick);
       resampled.push_back(jobs[j].brick);
-      touched.add(jobs[j].brick);
+      touched.add(jobs[j].brick, jobs[j].samples);
     }
     jobs.clear();
     growth.follow(resampled, threads);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 
 namespace sonoloft {
 namespace {
@@ -24,11 +25,8 @@ constexpr std::size_t block_index(int x, int y, int z) {
 class Neighbourhood {
  public:
   Neighbourhood(const BrickPool& bricks, const WorkBrick& middle) {
-    for (int i = 0; i < 27; ++i) {
-      const BrickCoord c{middle.coord.x + i % 3 - 1, middle.coord.y + i / 3 % 3 - 1, middle.coord.z + i / 9 - 1};
-      const std::uint32_t brick = bricks.find(c);
-      around_[static_cast<std::size_t>(i)] = brick == kNoBrick ? nullptr : &bricks[brick];
-    }
+    for (std::size_t i = 0; i < 27; ++i)
+      around_[i] = middle.around[i] == kNoBrick ? nullptr : &bricks[middle.around[i]];
   }
 
   [[nodiscard]] std::vector<Label> labels() const {
@@ -93,48 +91,102 @@ float laplacian(const Block& f, std::size_t at) {
   return sum * (1.0f / 6.0f) - f[at];
 }
 
-}  // namespace
-
-bool smooth_brick(const BrickPool& bricks, WorkBrick& brick) {
-  const Neighbourhood around(bricks, brick);
-  Block sampled;
-  around.gather_sampled(sampled);
-  const Block inner = find_inner(sampled);
-  std::array<float, kBrickSamples> strength;  // of smoothing, sample by sample
-  std::array<float, kBrickSamples> best;
-  for (int i = 0; i < kBrickSamples; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const std::size_t block = block_index(i & 7, (i >> 3) & 7, i >> 6);
-    strength[at] = brick.pinned.test(i) ? 0.0f : kStrength * inner[block];
-    best[at] = sampled[block] > 0.0f ? -2.0f : std::numeric_limits<float>::infinity();
+/// Moves the shares of one brick.
+class Mover {
+ public:
+  Mover(const BrickPool& bricks, const WorkBrick& brick) : around_(bricks, brick), labels_(around_.labels()) {
+    Block sampled;
+    around_.gather_sampled(sampled);
+    inner_ = find_inner(sampled);
+    for (int i = 0; i < kBrickSamples; ++i)
+      strength_[static_cast<std::size_t>(i)] =
+          brick.pinned.test(i) ? 0.0F : kStrength * inner_[block_index(i & 7, (i >> 3) & 7, i >> 6)];
   }
 
-  Brick result;
-  result.coord = brick.coord;
-  result.palette = around.labels();
-  result.share.resize(result.palette.size() * kBrickSamples);
-  result.label.fill(kNotSampled);
-  Block f;
-  Block lf;
-  for (std::size_t row = 0; row < result.palette.size(); ++row) {
-    around.gather_share(result.palette[row], f);
+  [[nodiscard]] const std::vector<Label>& labels() const { return labels_; }
+
+  /// Moves the shares of a label and subtracts the change from `left`.
+  void move(Label label, float* share, std::array<float, kBrickSamples>& left) {
+    Block f, lf;
+    around_.gather_share(label, f);
     for (std::size_t at = kStep[2]; at < kBlock - kStep[2]; ++at)  // nothing is used of the outermost layer
-      lf[at] = inner[at] * laplacian(f, at);
-    float* out = result.share.data() + row * kBrickSamples;
+      lf[at] = inner_[at] * laplacian(f, at);
     for (std::size_t i = 0; i < kBrickSamples; i += kBrickSize) {
       const std::size_t block = block_index(0, static_cast<int>(i >> 3 & 7), static_cast<int>(i >> 6));
-      for (std::size_t x = 0; x < kBrickSize; ++x)
-        out[i + x] = sampled[block + x] * (f[block + x] - strength[i + x] * laplacian(lf, block + x));
-    }
-    for (std::size_t i = 0; i < kBrickSamples; ++i)
-      if (out[i] > best[i]) {
-        best[i] = out[i];
-        result.label[i] = result.palette[row];
+      for (std::size_t x = 0; x < kBrickSize; ++x) {
+        const float change = strength_[i + x] * laplacian(lf, block + x);
+        share[i + x] -= change;
+        left[i + x] -= change;
       }
+    }
   }
-  const bool changed = result.label != brick.smooth.label || result.palette != brick.smooth.palette ||
-                       result.share != brick.smooth.share;
-  if (changed) brick.smooth = std::move(result);
+
+ private:
+  Neighbourhood around_;
+  std::vector<Label> labels_;
+  Block inner_;
+  std::array<float, kBrickSamples> strength_;  ///< of smoothing, sample by sample
+};
+
+/// Clears what was not sampled and names the label with the largest share, the lowest of equals.
+void finish(const SampleMask& sampled, Brick& brick) {
+  std::array<float, kBrickSamples> best, taken;
+  for (int i = 0; i < kBrickSamples; ++i) {
+    const bool is_sampled = sampled.test(i);
+    taken[static_cast<std::size_t>(i)] = is_sampled ? 1.0F : 0.0F;
+    best[static_cast<std::size_t>(i)] = is_sampled ? -2.0F : std::numeric_limits<float>::infinity();
+  }
+  brick.label.fill(kNotSampled);
+  for (std::size_t row = 0; row < brick.palette.size(); ++row) {
+    float* share = brick.share.data() + row * kBrickSamples;
+    for (std::size_t i = 0; i < kBrickSamples; ++i) {
+      share[i] *= taken[i];
+      if (share[i] > best[i]) {
+        best[i] = share[i];
+        brick.label[i] = brick.palette[row];
+      }
+    }
+  }
+}
+
+/// The samples in which two bricks differ; all of them where the labels that occur do.
+SampleMask difference(const Brick& a, const Brick& b) {
+  SampleMask mask;
+  std::array<std::uint32_t, kBrickSamples> differs{};
+  const bool same_palette = a.palette == b.palette;
+  for (std::size_t i = 0; i < kBrickSamples; ++i) differs[i] = !same_palette || a.label[i] != b.label[i];
+  for (std::size_t row = 0; same_palette && row < a.palette.size(); ++row)
+    for (std::size_t i = 0; i < kBrickSamples; ++i)
+      differs[i] |= a.share[row * kBrickSamples + i] != b.share[row * kBrickSamples + i];
+  for (std::size_t i = 0; i < kBrickSamples; ++i)
+    if (differs[i] != 0) mask.set(static_cast<int>(i));
+  return mask;
+}
+
+}  // namespace
+
+SampleMask smooth_brick(const BrickPool& bricks, WorkBrick& brick) {
+  Brick result;
+  result.coord = brick.coord;
+  result.palette = brick.shares.palette;
+  std::optional<Mover> mover;
+  if ((brick.sampled - brick.pinned).any()) {
+    mover.emplace(bricks, brick);
+    result.palette = mover->labels();
+  }
+  result.share.assign(result.palette.size() * kBrickSamples, 0.0F);
+  std::array<float, kBrickSamples> left{};  // of the changes of all labels but the first
+  for (std::size_t row = result.palette.size(); row-- > 0;) {
+    float* out = result.share.data() + row * kBrickSamples;
+    if (const float* share = brick.shares.find(result.palette[row])) std::copy_n(share, kBrickSamples, out);
+    if (row == 0)
+      for (std::size_t i = 0; i < kBrickSamples; ++i) out[i] -= left[i];
+    else if (mover)
+      mover->move(result.palette[row], out, left);
+  }
+  finish(brick.sampled, result);
+  const SampleMask changed = difference(result, brick.smooth);
+  if (changed.any()) brick.smooth = std::move(result);
   return changed;
 }
 

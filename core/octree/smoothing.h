@@ -8,7 +8,8 @@ namespace sonoloft {
 /// contours; so do those with a finest cell beside them that was not sampled whole, which keeps the surface inside of
 /// what was sampled.
 /// Reads samples up to two steps outside of the brick. Source: Bermano, Vaxman, Gotsman 2011, section 4.6.
-/// @return whether brick.smooth changed
-bool smooth_brick(const BrickPool& bricks, WorkBrick& brick);
+/// Shares add up to 1, so the first label's change is what the others' changes leave.
+/// @return the samples in which brick.smooth changed
+SampleMask smooth_brick(const BrickPool& bricks, WorkBrick& brick);
 
 }  // namespace sonoloft

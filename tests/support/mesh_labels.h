@@ -15,7 +15,7 @@ namespace sonoloft::test {
 class MeshLabels {
  public:
   explicit MeshLabels(const IndexedMesh& mesh)
-      : mesh_(mesh), device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+      : mesh_(mesh), device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     origin_ = mesh.positions.empty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(mesh.positions[0].cast<double>());
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);

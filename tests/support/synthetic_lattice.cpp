@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <utility>
 
 namespace sonoloft::test {
@@ -108,13 +109,15 @@ Brick SyntheticLattice::make_brick(BrickCoord coord, const std::vector<Eigen::Ve
 std::vector<BrickCoord> SyntheticLattice::edit(Eigen::Vector3i lower, Eigen::Vector3i upper, const ShareField& field) {
   fill(lower, upper, field);
   const Bricks before = std::exchange(bricks_, sample());
-  std::vector<BrickCoord> changed;
+  std::set<BrickCoord> changed;
+  const auto add = [&](const BrickCoord& c) {  // the cells of the bricks below end in its lowest samples
+    for (int i = 0; i < 8; ++i) changed.insert({c.x - (i & 1), c.y - (i >> 1 & 1), c.z - (i >> 2)});
+  };
   for (const auto& [coord, brick] : bricks_)
-    if (const auto old = before.find(coord); old == before.end() || !same(old->second, brick)) changed.push_back(coord);
+    if (const auto old = before.find(coord); old == before.end() || !same(old->second, brick)) add(coord);
   for (const auto& [coord, brick] : before)
-    if (!bricks_.contains(coord)) changed.push_back(coord);
-  std::sort(changed.begin(), changed.end());
-  return changed;
+    if (!bricks_.contains(coord)) add(coord);
+  return {changed.begin(), changed.end()};
 }
 
 const Brick* SyntheticLattice::find(BrickCoord coord) const {

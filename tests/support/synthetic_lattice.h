@@ -26,7 +26,7 @@ class SyntheticLattice final : public SampleLattice {
   [[nodiscard]] double spacing_mm() const override { return spacing_mm_; }
 
   /// Replaces the field at the points lower..upper (both included) and samples again.
-  /// @return bricks whose samples changed, appeared or vanished, ascending
+  /// @return bricks with a cell of which a corner changed, appeared or vanished, ascending
   std::vector<BrickCoord> edit(Eigen::Vector3i lower, Eigen::Vector3i upper, const ShareField& field);
 
   /// All bricks, ascending.

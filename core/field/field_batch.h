@@ -9,7 +9,7 @@
 
 namespace sonoloft {
 
-/// Points of one cell: what add_points() appended.
+/// Points of one cell: what add_block() appended.
 struct FieldBlock {
   std::uint32_t cell;         ///< index in FieldBatch::cells
   std::uint32_t count;        ///< points, >= 1
@@ -31,10 +31,17 @@ struct FieldBatch {
   void clear();         ///< cells and points
   void clear_points();  ///< points only; the cells may be used again
 
-  /// Appends points that lie in the cell (or within rounding of it).
-  /// @pre    !cells.constant(cell), points not empty, all finite
-  /// @return the index of the block
-  std::uint32_t add_points(std::uint32_t cell, std::span<const Eigen::Vector3d> points_mm);
+  /// Appends room for points of a cell. @pre !cells.constant(cell), count >= 1 @return the index of the block
+  std::uint32_t add_block(std::uint32_t cell, std::uint32_t count);
+  /// Fills points of a block from its point `first` on; all of them before evaluate(). They lie in the cell or within
+  /// rounding of it, all finite. Threads: any number at a time, for different points.
+  void set_points(std::uint32_t block, std::uint32_t first, std::span<const Eigen::Vector3d> points_mm);
+  /// A block of these points. @return its index
+  std::uint32_t add_points(std::uint32_t cell, std::span<const Eigen::Vector3d> points_mm) {
+    const std::uint32_t block = add_block(cell, static_cast<std::uint32_t>(points_mm.size()));
+    set_points(block, 0, points_mm);
+    return block;
+  }
 
   /// After evaluate(): what the points of a block have of label cells.labels(cell)[slot]; [#points of the block].
   /// In [0, 1] up to rounding. The rows of the known labels sum to 1; the row of kUnknown says how much of that was not

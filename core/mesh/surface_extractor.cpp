@@ -19,9 +19,6 @@ using ChunkPtr = std::shared_ptr<const MeshChunk>;
 BrickCoord operator+(const BrickCoord& a, const BrickCoord& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
-BrickCoord operator-(const BrickCoord& a, const BrickCoord& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
 
 /// In the order of the bits of faces_with_labels().
 constexpr std::array<BrickCoord, 6> kBeside = {{{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
@@ -46,17 +43,19 @@ unsigned sides_seen(const BrickCoord& d) {
   return sides;
 }
 
-void sort_unique(std::vector<BrickCoord>& bricks) {
-  std::sort(bricks.begin(), bricks.end());
-  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
-}
-
+/// What is known of a brick with a mixed cell.
 struct BrickState {
+  BrickCoord coord{};
   BrickNet net;
   ChunkPtr chunk;  ///< null when no triangle
   std::uint32_t fans = 0;
   std::uint32_t collapsed_triangles = 0;
+  std::array<BrickState*, 27> around{};  ///< [NetGrid::index()] null where there is none
+  std::uint32_t listed_in = 0;           ///< the last list that it was put on
+
+  [[nodiscard]] BrickState* beside(const BrickCoord& d) const { return around[NetGrid::index(d.x, d.y, d.z)]; }
 };
+using BrickList = std::vector<BrickState*>;
 
 /// Draws chunks from finished nets.
 class ChunkDrawer {
@@ -64,11 +63,14 @@ class ChunkDrawer {
   explicit ChunkDrawer(const LatticeFrame& frame) : frame_(frame) {}
 
   /// True if the chunk comes out different from what it was.
-  bool draw(const BrickCoord& coord, const NetGrid& nets, BrickState& state) {
-    buffer_.start(coord);
+  bool draw(BrickState& state) {
+    NetGrid nets{};
+    for (const BrickCoord& d : kDrawnFrom)
+      if (const BrickState* there = state.beside(d)) nets.nets[NetGrid::index(d.x, d.y, d.z)] = &there->net;
+    buffer_.start(state.coord);
     state.fans = 0;
-    for (const MixedEdge& edge : state.net.cells().edges) state.fans += draw_edge(nets, edge, buffer_);
     const BrickCells& cells = state.net.cells();
+    for (const MixedEdge& edge : cells.edges) state.fans += draw_edge(nets, edge, buffer_);
     for (std::size_t i = 0; i < cells.complex_cells.size(); ++i)
       draw_complex_cell(cells.complex_samples[i], nets, local_point(cells.complex_cells[i]), buffer_);
     const ChunkPtr before = std::exchange(state.chunk, buffer_.finish(frame_, state.chunk));
@@ -81,78 +83,90 @@ class ChunkDrawer {
   ChunkBuffer buffer_;
 };
 
+/// Runs body(state, scratch) on bricks; returns those for which it said true, in their order.
+template <class MakeScratch, class Body>
+BrickList filter(const BrickList& list, int threads, const MakeScratch& make_scratch, const Body& body) {
+  std::vector<char> said(list.size());
+  parallel_for(list.size(), kBricksPerPiece, threads, [&](std::size_t first, std::size_t last) {
+    auto scratch = make_scratch();
+    for (std::size_t i = first; i < last; ++i) said[i] = body(*list[i], scratch);
+  });
+  BrickList result;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (said[i]) result.push_back(list[i]);
+  return result;
+}
+
 }  // namespace
 
 struct SurfaceExtractor::State {
   std::unordered_map<BrickCoord, BrickState, BrickCoordHash> bricks;  ///< those with a mixed cell
   std::map<BrickCoord, ChunkPtr> chunks;                              ///< those of `bricks` with a triangle
   std::size_t bricks_read = 0, chunks_rebuilt = 0;
+  std::uint32_t lists = 0;  ///< made so far
 
-  [[nodiscard]] const BrickNet* net(const BrickCoord& coord) const {
-    const auto found = bricks.find(coord);
-    return found == bricks.end() ? nullptr : &found->second.net;
+  BrickState& find_or_add(const BrickCoord& coord) {
+    const auto [it, added] = bricks.try_emplace(coord);
+    BrickState& state = it->second;
+    if (!added) return state;
+    state.coord = coord;
+    for (int i = 0; i < 27; ++i) {
+      const auto there = bricks.find(coord + BrickCoord{i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1});
+      if (there != bricks.end()) state.around[static_cast<std::size_t>(i)] = &there->second;
+    }
+    name_to_neighbours(state, &state);
+    return state;
+  }
+  void remove(const BrickState& state) {
+    name_to_neighbours(state, nullptr);
+    bricks.erase(BrickCoord(state.coord));
+  }
+  static void name_to_neighbours(const BrickState& state, BrickState* name) {
+    for (std::size_t i = 0; i < 27; ++i)  // seen from there it lies on the opposite side
+      if (BrickState* there = state.around[i]) there->around[26 - i] = name;
   }
 
-  /// Those of `coords` that are in `bricks`, ascending, once each.
-  [[nodiscard]] std::vector<BrickCoord> present(std::vector<BrickCoord> coords) const {
-    sort_unique(coords);
-    std::erase_if(coords, [&](const BrickCoord& coord) { return !bricks.contains(coord); });
-    return coords;
+  /// Puts a brick on the list that was begun last, once; null is none.
+  void put(BrickState* state, BrickList& list) const {
+    if (state && std::exchange(state->listed_in, lists) != lists) list.push_back(state);
   }
 
-  /// Runs body(coord, state, scratch) on bricks, all present; returns those for which it said true.
-  template <class MakeScratch, class Body>
-  std::vector<BrickCoord> for_each(const std::vector<BrickCoord>& coords, int threads, const MakeScratch& make_scratch,
-                                   const Body& body) {
-    std::vector<char> said(coords.size());
-    parallel_for(coords.size(), kBricksPerPiece, threads, [&](std::size_t first, std::size_t last) {
-      auto scratch = make_scratch();
-      for (std::size_t i = first; i < last; ++i) said[i] = body(coords[i], bricks.find(coords[i])->second, scratch);
-    });
-    std::vector<BrickCoord> result;
-    for (std::size_t i = 0; i < coords.size(); ++i)
-      if (said[i]) result.push_back(coords[i]);
-    return result;
+  /// The bricks of `changed` that have a mixed cell, or had one.
+  BrickList to_read(const SampleLattice& lattice, std::span<const BrickCoord> changed) {
+    BrickList list;
+    ++lists;
+    for (const BrickCoord& coord : changed) {
+      if (lattice.find(coord))
+        put(&find_or_add(coord), list);
+      else if (const auto known = bricks.find(coord); known != bricks.end())
+        put(&known->second, list);
+    }
+    return list;
   }
 
-  /// Reads cells. Returns (bricks read, those of them that differ).
-  std::pair<std::vector<BrickCoord>, std::vector<BrickCoord>> read(const SampleLattice& lattice,
-                                                                   std::span<const BrickCoord> changed, int threads) {
-    std::vector<BrickCoord> to_read(changed.begin(), changed.end());
-    sort_unique(to_read);
-    std::erase_if(to_read, [&](const BrickCoord& c) { return !lattice.find(c) && !bricks.contains(c); });
-    for (const BrickCoord& coord : to_read) bricks.try_emplace(coord);
-    auto differ = for_each(
-        to_read, threads, [] { return ReadScratch(); },
-        [&](const BrickCoord& coord, BrickState& state, ReadScratch& scratch) {
-          return state.net.read(scratch, lattice, coord);
-        });
-    return {std::move(to_read), std::move(differ)};
+  /// The bricks that differ and those beside them.
+  BrickList to_relax(const BrickList& differ) {
+    BrickList list;
+    ++lists;
+    for (BrickState* state : differ) {
+      put(state, list);
+      for (const BrickCoord& side : kBeside) put(state->beside(side), list);
+    }
+    return list;
   }
 
-  /// Smooths the vertices of the bricks that differ and of those beside them. Returns those where a vertex moved.
-  std::vector<BrickCoord> relax(const std::vector<BrickCoord>& differ, int threads) {
-    std::vector<BrickCoord> reached = differ;
-    for (const BrickCoord& coord : differ)
-      for (const BrickCoord& side : kBeside) reached.push_back(coord + side);
-    return for_each(
-        present(std::move(reached)), threads, [] { return 0; },
-        [&](const BrickCoord& coord, BrickState& state, int) {
-          std::array<const BrickNet*, 6> beside;
-          for (std::size_t face = 0; face < 6; ++face) beside[face] = net(coord + kBeside[face]);
-          return state.net.relax(beside);
-        });
-  }
-
-  /// Draws chunks again. Returns those that differ.
-  std::vector<BrickCoord> draw(const LatticeFrame& frame, const std::vector<BrickCoord>& coords, int threads) {
-    return for_each(
-        coords, threads, [&] { return ChunkDrawer(frame); },
-        [&](const BrickCoord& coord, BrickState& state, ChunkDrawer& drawer) {
-          NetGrid nets{};
-          for (const BrickCoord& d : kDrawnFrom) nets.nets[NetGrid::index(d.x, d.y, d.z)] = net(coord + d);
-          return drawer.draw(coord, nets, state);
-        });
+  /// The chunks that are drawn from a net that differs or of which a vertex moved: a chunk is a function of the nets
+  /// around it.
+  BrickList to_draw(const BrickList& differ, const BrickList& moved) {
+    BrickList list;
+    ++lists;
+    for (const BrickList* changed : {&differ, &moved})
+      for (BrickState* state : *changed) {
+        const unsigned sides = state->net.changed_sides();
+        for (const BrickCoord& d : kDrawnFrom)
+          if ((sides_seen(d) & ~sides) == 0) put(state->beside({-d.x, -d.y, -d.z}), list);
+      }
+    return list;
   }
 };
 
@@ -164,31 +178,37 @@ SurfaceExtractor& SurfaceExtractor::operator=(SurfaceExtractor&&) noexcept = def
 std::vector<BrickCoord> SurfaceExtractor::update(const SampleLattice& lattice, std::span<const BrickCoord> changed,
                                                  int threads) {
   State& state = *state_;
-  const auto [read, differ] = state.read(lattice, changed, threads);
-  const std::vector<BrickCoord> moved = state.relax(differ, threads);
+  const auto no_scratch = [] { return 0; };
+  const BrickList read = state.to_read(lattice, changed);
+  const BrickList differ = filter(
+      read, threads, [] { return ReadScratch(); },
+      [&](BrickState& brick, ReadScratch& scratch) { return brick.net.read(scratch, lattice, brick.coord); });
+  const BrickList moved = filter(state.to_relax(differ), threads, no_scratch, [](BrickState& brick, int) {
+    std::array<const BrickNet*, 6> beside{};
+    for (std::size_t face = 0; face < 6; ++face)
+      if (const BrickState* there = brick.beside(kBeside[face])) beside[face] = &there->net;
+    return brick.net.relax(beside);
+  });
+  const BrickList to_draw = state.to_draw(differ, moved);
+  const LatticeFrame frame{lattice.origin_mm(), lattice.spacing_mm()};
+  const BrickList redrawn = filter(
+      to_draw, threads, [&] { return ChunkDrawer(frame); },
+      [](BrickState& brick, ChunkDrawer& drawer) { return drawer.draw(brick); });
 
-  // A chunk is a function of the nets around it.
-  std::vector<BrickCoord> to_draw, net_changed;
-  std::set_union(differ.begin(), differ.end(), moved.begin(), moved.end(), std::back_inserter(net_changed));
-  for (const BrickCoord& coord : net_changed) {
-    const unsigned sides = state.bricks.find(coord)->second.net.changed_sides();
-    for (const BrickCoord& d : kDrawnFrom)
-      if ((sides_seen(d) & ~sides) == 0) to_draw.push_back(coord - d);
-  }
-  to_draw = state.present(std::move(to_draw));
-  std::vector<BrickCoord> redrawn = state.draw({lattice.origin_mm(), lattice.spacing_mm()}, to_draw, threads);
-
-  for (const BrickCoord& coord : redrawn) {
-    if (const ChunkPtr& chunk = state.bricks[coord].chunk)
-      state.chunks[coord] = chunk;
+  std::vector<BrickCoord> result;
+  for (const BrickState* brick : redrawn) {
+    result.push_back(brick->coord);
+    if (brick->chunk)
+      state.chunks[brick->coord] = brick->chunk;
     else
-      state.chunks.erase(coord);
+      state.chunks.erase(brick->coord);
   }
-  for (const BrickCoord& coord : read)
-    if (const auto found = state.bricks.find(coord); found->second.net.empty()) state.bricks.erase(found);
   state.bricks_read = read.size();
   state.chunks_rebuilt = to_draw.size();
-  return redrawn;
+  for (const BrickState* brick : read)
+    if (brick->net.empty()) state.remove(*brick);
+  std::sort(result.begin(), result.end());
+  return result;
 }
 
 MeshSnapshot SurfaceExtractor::snapshot() const {

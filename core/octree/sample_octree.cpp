@@ -59,7 +59,7 @@ struct SampleOctree::State {
   /// Hands the pieces of a contour to the bricks that it runs through, and switches on the octants.
   void trace(const Contour& contour, OctantGrowth& growth, IndexSet& contoured);
   [[nodiscard]] std::vector<SampleJob> stale_jobs();
-  void add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs) const;
+  void add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs, int threads) const;
   void drop_unneeded(OctantGrowth& growth, TouchedSamples& touched);
   [[nodiscard]] std::vector<BrickCoord> smooth(const TouchedSamples& touched, const IndexSet& contoured, int threads,
                                                std::size_t& smoothed);
@@ -130,17 +130,21 @@ std::vector<SampleJob> SampleOctree::State::stale_jobs() {
 }
 
 /// Adds the samples that active octants still lack.
-void SampleOctree::State::add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs) const {
-  IndexSet disturbed = growth.take_disturbed();
-  const auto missing = [&](std::uint32_t index) { return growth.needed(bricks[index]) - bricks[index].sampled; };
-  IndexSet queued;
-  for (SampleJob& job : jobs) {
-    queued.add(job.brick);
-    if (disturbed.contains(job.brick)) job.samples = job.samples | missing(job.brick);
+void SampleOctree::State::add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs, int threads) const {
+  const IndexSet disturbed = growth.take_disturbed();
+  const auto& items = disturbed.items();
+  std::vector<SampleMask> missing(items.size());
+  parallel_for(items.size(), 64, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t n = first; n < last; ++n) missing[n] = growth.needed(bricks[items[n]]) - bricks[items[n]].sampled;
+  });
+  std::vector<std::uint32_t> job_of(bricks.capacity(), kNoBrick);
+  for (std::uint32_t j = 0; j < jobs.size(); ++j) job_of[jobs[j].brick] = j;
+  for (std::size_t n = 0; n < items.size(); ++n) {
+    if (const std::uint32_t j = job_of[items[n]]; j != kNoBrick)
+      jobs[j].samples = jobs[j].samples | missing[n];
+    else if (missing[n].any())
+      jobs.push_back({items[n], missing[n]});
   }
-  for (const std::uint32_t index : disturbed.items())
-    if (const SampleMask lacking = missing(index); !queued.contains(index) && lacking.any())
-      jobs.push_back({index, lacking});
 }
 
 /// Forgets samples that pruning left without an active octant, and bricks without samples.
@@ -202,7 +206,7 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, Fiel
   std::vector<SampleJob> jobs = s.stale_jobs();
   IndexSet contoured;
   for (const State::Contour& contour : s.new_contours) s.trace(contour, growth, contoured);
-  for (s.add_missing(growth, jobs); !jobs.empty(); s.add_missing(growth, jobs)) {
+  for (s.add_missing(growth, jobs, threads); !jobs.empty(); s.add_missing(growth, jobs, threads)) {
     for (const SampleJob& job : jobs)
       s.samples += static_cast<std::size_t>((job.samples - s.bricks[job.brick].sampled).count());
     const auto found = sampler.take(s.bricks, jobs);

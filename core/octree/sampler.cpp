@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 
 #include "core/slice/parallel.h"
 
@@ -92,26 +91,23 @@ void Sampler::pack(std::uint32_t cell) {
 
 /// One block a cell, so that a cell's edges are read once for the points of all bricks.
 Result<void> Sampler::evaluate() {
-  std::vector<std::uint32_t> by_cell(groups_.size());
-  std::iota(by_cell.begin(), by_cell.end(), 0u);
-  std::erase_if(by_cell, [&](std::uint32_t g) { return batch_.cells.constant(groups_[g].packed); });
-  std::stable_sort(by_cell.begin(), by_cell.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return groups_[a].packed < groups_[b].packed; });
-  batch_.clear_points();
-  std::vector<Eigen::Vector3d> points;
-  for (std::size_t first = 0, last = 0; first < by_cell.size(); first = last) {
-    const std::uint32_t packed = groups_[by_cell[first]].packed;
-    points.clear();
-    for (last = first; last < by_cell.size() && groups_[by_cell[last]].packed == packed; ++last) {
-      Group& group = groups_[by_cell[last]];
-      group.lane = static_cast<std::uint32_t>(points.size());
-      const auto begin = located_[group.job].point_mm.begin() + group.first;
-      points.insert(points.end(), begin, begin + group.count);
-    }
-    const std::uint32_t block = batch_.add_points(packed, points);
-    for (std::size_t i = first; i < last; ++i) groups_[by_cell[i]].block = block;
+  std::vector<std::uint32_t> count(batch_.cells.size(), 0), block(batch_.cells.size(), kNoBlock);  // by packed cell
+  for (Group& group : groups_) {
+    group.lane = count[group.packed];
+    count[group.packed] += group.count;
   }
+  batch_.clear_points();
+  for (std::uint32_t packed = 0; packed < count.size(); ++packed)
+    if (count[packed] > 0 && !batch_.cells.constant(packed)) block[packed] = batch_.add_block(packed, count[packed]);
   if (batch_.blocks.empty()) return {};
+  parallel_for(groups_.size(), 64, threads_, [&](std::size_t first, std::size_t last) {
+    for (std::size_t g = first; g < last; ++g) {
+      Group& group = groups_[g];
+      group.block = block[group.packed];
+      if (group.block != kNoBlock)
+        batch_.set_points(group.block, group.lane, {&located_[group.job].point_mm[group.first], group.count});
+    }
+  });
   return evaluator_.evaluate(batch_);
 }
 

@@ -108,6 +108,9 @@ Result<InsertReport> Reconstructor::add(const TrackedSlice& slice) {
     for (Level& level : state_->levels) level.octree.note(state_->cells, *delta);
     report.cells_reached = delta->reached;
     report.cells_cut = static_cast<std::uint32_t>(delta->lower.size());
+    report.nodes_visited = delta->work.nodes_visited;
+    report.faces_cut = delta->work.faces_cut;
+    report.edges_clipped = delta->work.edges_clipped;
   } else if (delta.error().code == ErrorCode::duplicate_plane) {
     report.outcome = SliceOutcome::merged;
   } else {

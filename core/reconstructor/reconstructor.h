@@ -41,6 +41,9 @@ struct InsertReport {
   SliceOutcome outcome = SliceOutcome::inserted;
   std::uint32_t cells_reached = 0;
   std::uint32_t cells_cut = 0;
+  std::uint32_t nodes_visited = 0;       ///< of the tree of planes, on the way to those cells
+  std::uint32_t faces_cut = 0;           ///< walls that the cut crosses
+  std::uint32_t edges_clipped = 0;       ///< contour and outline pieces of the slice on its way, and of those walls
   std::uint32_t repaired_crossings = 0;  ///< of contours
   double cells_ms = 0;
 };

@@ -64,7 +64,7 @@ void add_compute(CLI::App& verb, Compute& compute) {
       {"auto", DeviceChoice::automatic}, {"opencl", DeviceChoice::opencl}, {"cpu", DeviceChoice::cpu}};
   verb.add_option_function<std::string>(
           "--device", [&compute](const std::string& name) { compute.device = kChoices.at(name); },
-          "Where the field is evaluated: auto (OpenCL if there is any), opencl, cpu")
+          "Where the field is evaluated: auto (OpenCL on a graphics device, else cpu), opencl, cpu")
       ->check(CLI::IsMember({"auto", "opencl", "cpu"}))
       ->default_str("auto");
 }

@@ -8,6 +8,7 @@
 #include "core/reconstructor/reconstructor.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
+#include "host/apps/tool/mesher.h"
 #include "host/apps/tool/verbs.h"
 
 namespace sonoloft::tool {
@@ -19,6 +20,7 @@ using Json = nlohmann::ordered_json;
 struct ReconstructOptions {
   std::filesystem::path input, output;
   bool online = false;
+  Mesher mesher = Mesher::live;
   Resolution resolution;
   Compute compute;
   std::optional<std::filesystem::path> report, picture;
@@ -30,7 +32,7 @@ double ms_since(Clock::time_point start) {
 
 /// Times of a run, ms. total: from parsed slices to the finished mesh, without load and device_start.
 struct Times {
-  double load = 0, device_start = 0, cells = 0, field = 0, octree = 0, mesh = 0, smooth = 0, total = 0;
+  double load = 0, device_start = 0, cells = 0, field = 0, octree = 0, mesh = 0, smooth = 0, delaunay = 0, total = 0;
   std::vector<double> per_slice;
 
   void add(const UpdateReport& update) {
@@ -105,7 +107,7 @@ Json input_json(std::span<const TrackedSlice> slices) {
 }
 
 Json report_json(std::span<const TrackedSlice> slices, const SliceOutcomes& outcomes, const Reconstructor& r,
-                 const Times& t) {
+                 Mesher mesher, std::size_t triangles, const Times& t) {
   const ReconstructorCounts counts = r.counts();
   return {{"input", input_json(slices)},
           {"slices", {{"inserted", outcomes.inserted}, {"merged", outcomes.merged}, {"refused", outcomes.refused}}},
@@ -114,7 +116,8 @@ Json report_json(std::span<const TrackedSlice> slices, const SliceOutcomes& outc
           {"edges", counts.edges},
           {"samples", counts.samples},
           {"leaves", counts.leaves},
-          {"triangles", counts.triangles},
+          {"mesher", mesher == Mesher::live ? "live" : "delaunay"},
+          {"triangles", triangles},
           {"device", r.device_name()},
           {"times_ms",
            {{"load", t.load},
@@ -124,6 +127,7 @@ Json report_json(std::span<const TrackedSlice> slices, const SliceOutcomes& outc
             {"octree", t.octree},
             {"mesh", t.mesh},
             {"smooth", t.smooth},
+            {"delaunay", t.delaunay},
             {"total", t.total}}},
           {"per_slice_ms", json(percentiles(t.per_slice))}};
 }
@@ -145,16 +149,17 @@ Result<void> run_reconstruct(const ReconstructOptions& o) {
   start = Clock::now();
   const auto outcomes = reconstruct(file->slices, o.online, *reconstructor, times);
   if (!outcomes) return tl::unexpected<Error>(outcomes.error());
-  const IndexedMesh mesh = reconstructor->mesh().indexed();
-  times.total = ms_since(start);
-  if (mesh.triangles.empty())
+  if (reconstructor->counts().triangles == 0)
     return fail(ErrorCode::empty_input, "the slices bound nothing that is a cell wide: give a larger --depth");
+  const auto mesh = surfaces(*reconstructor, o.mesher, times.delaunay);
+  if (!mesh) return tl::unexpected<Error>(mesh.error());
+  times.total = ms_since(start);
 
-  const Json report = report_json(file->slices, *outcomes, *reconstructor, times);
+  const Json report = report_json(file->slices, *outcomes, *reconstructor, o.mesher, mesh->triangles.size(), times);
   print(report);
-  if (auto written = write_mesh(mesh, o.output); !written) return written;
+  if (auto written = write_mesh(*mesh, o.output); !written) return written;
   if (o.picture)
-    if (auto drawn = write_picture(mesh, {}, {}, *o.picture, o.compute.threads); !drawn) return drawn;
+    if (auto drawn = write_picture(*mesh, {}, {}, *o.picture, o.compute.threads); !drawn) return drawn;
   return o.report ? write_report(report, *o.report) : Result<void>{};
 }
 
@@ -171,6 +176,7 @@ void add_reconstruct(CLI::App& app, Task& task) {
       ->check(ends_in(kMeshSuffixes));
   verb->add_flag("--online", options->online, "Bring the mesh up to date after every slice, as a live scan does");
   verb->add_option("--picture", options->picture, "Draw the mesh into this PNG file")->check(ends_in(".png"));
+  add_mesher(*verb, options->mesher);
   add_resolution(*verb, options->resolution);
   add_compute(*verb, options->compute);
   add_report(*verb, options->report);

@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "core/io/mesh_files.h"
 #include "tests/integration/tool/tool_run.h"
 
@@ -92,4 +94,24 @@ TEST_CASE("tool reconstruct: a resolution in mm is the edge of the finest cells"
   MESSAGE(coarse, " triangles at 1 mm, ", fine, " at 0.5 mm");
   CHECK(fine > 3.2 * coarse);
   CHECK(fine < 4.8 * coarse);
+}
+
+TEST_CASE("tool reconstruct: --mesher delaunay gives an export mesh of both labels, or says how to get one") {
+  const TemporaryFolder folder;
+  folder.write("boxes.csl", boxes_csl());
+  const ToolRun run = run_tool(
+      folder, "reconstruct boxes.csl -o m.ply --mesher delaunay --online --depth 5 --device cpu --report r.json");
+#ifdef SONOLOFT_WITH_OFFLINE
+  REQUIRE_MESSAGE(run.status == 0, run.err);
+  const auto report = json_of(folder.path("r.json"));
+  CHECK(report["mesher"] == "delaunay");
+  CHECK(report["times_ms"]["delaunay"] > 0);
+  const auto mesh = read_mesh(folder.path("m.ply"));
+  REQUIRE(mesh);
+  CHECK(mesh->triangles.size() == report["triangles"]);
+  for (const Label label : {Label{1}, Label{2}}) CHECK(std::ranges::count(mesh->label_back, label) > 100);
+#else
+  CHECK(run.status == 1);
+  CHECK(run.err.find("SONOLOFT_OFFLINE") != std::string::npos);
+#endif
 }

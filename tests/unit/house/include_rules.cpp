@@ -45,6 +45,9 @@ struct Guest {
 const std::vector<Guest>& guests() {
   static const std::vector<Guest> all{
       {{"CGAL/"}, {"core/cells/", "core/offline/", "tests/"}, "CGAL is named only in core/cells and core/offline"},
+      {{"core/offline/"},
+       {"core/offline/", "host/apps/", "tests/"},
+       "core/offline is GPL: only the tool and the tests include it"},
       {{"CL/"}, {"core/gpu/", "tests/"}, "OpenCL is named only in core/gpu"},
       {{"libusb"}, {"host/device/usb/"}, "libusb is named only in host/device/usb"},
   };

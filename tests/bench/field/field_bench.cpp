@@ -1,22 +1,18 @@
-// Edge evaluations per second and core of every field evaluator: bench_field [seconds per figure]
+// Edge evaluations per second and core of every field evaluator, on cells of few and of many edges.  bench_field
 #include <array>
-#include <chrono>
-#include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <utility>
 
 #include "core/gpu/make_evaluator.h"
+#include "tests/bench/support/figures.h"
 #include "tests/support/field_cells.h"
 
 namespace {
 
 using namespace sonoloft;
-using Clock = std::chrono::steady_clock;
+using namespace sonoloft::bench;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+constexpr double kSeconds = 0.5;  ///< a figure
 
 /// Points of a lattice in the cell, row by row, as the sampling stage asks for them.
 std::vector<Eigen::Vector3d> lattice_points(const test::FieldCell& cell, int steps) {
@@ -50,42 +46,46 @@ Load fill(FieldBatch& batch, int planes, int ring_points, int steps) {
   return load;
 }
 
-/// Counts processor seconds, not seconds: other programs may be running.
-void measure(FieldEvaluator& evaluator, double seconds) {
-  std::printf("%s\n", evaluator.name().c_str());
-  for (const auto& [planes, ring_points] : {std::pair{4, 3}, {8, 3}, {8, 15}, {8, 80}, {8, 400}}) {
+/// The least processor time of some evaluations, s: other programs may be running.
+double best_of_many(FieldEvaluator& evaluator, FieldBatch& batch) {
+  double best = 1e30, total = 0;
+  while (total < kSeconds) {
+    const std::clock_t start = std::clock();
+    if (const auto done = evaluator.evaluate(batch); !done) stop(done.error());
+    const double took = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    best = std::min(best, took);
+    total += took;
+  }
+  return best;
+}
+
+void measure(const std::string& device, FieldEvaluator& evaluator) {
+  for (const auto& [planes, ring_points] : {std::pair{4, 3}, {8, 3}, {8, 15}, {8, 60}, {8, 400}}) {
     FieldBatch batch;
     const Load load = fill(batch, planes, ring_points, 24);
-    if (const auto done = evaluator.evaluate(batch); !done) {
-      std::printf("  %s\n", done.error().message.c_str());
-      return;
-    }
-    double best = 1e30, total = 0;
-    while (total < seconds) {
-      const std::clock_t start = std::clock();
-      if (!evaluator.evaluate(batch)) return;
-      const double took = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-      best = std::min(best, took);
-      total += took;
-    }
-    std::printf("  %6.0f edges a cell, %7.0f points: %6.0f M edge evaluations/s/core\n", load.evaluations / load.points,
-                load.points, load.evaluations / best * 1e-6);
+    const double rate = load.evaluations / best_of_many(evaluator, batch);
+    const double edges = load.evaluations / load.points;
+    char words[200];
+    std::snprintf(words, sizeof words, "%s: %.0f edges a cell, %.0f points: %.2f G edge evaluations/s/core",
+                  evaluator.name().c_str(), edges, load.points, rate * 1e-9);
+    emit({{"bench", "field"},
+          {"device", device},
+          {"name", evaluator.name()},
+          {"edges_a_cell", edges},
+          {"edge_evaluations_per_s_core", rate}},
+         words);
   }
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  const double seconds = argc > 1 ? std::atof(argv[1]) : 1.0;
-  const auto print = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
-  for (const DeviceChoice choice : {DeviceChoice::opencl, DeviceChoice::cpu}) {
-    const auto start = Clock::now();
-    const auto evaluator = make_evaluator(choice, 1, print);
-    if (!evaluator) {
-      std::printf("%s\n", evaluator.error().message.c_str());
-      continue;
+int main() {
+  for (const auto& [device, choice] : {std::pair{"opencl", DeviceChoice::opencl}, {"cpu", DeviceChoice::cpu}}) {
+    const auto evaluator = make_evaluator(choice, 1, {});
+    if (evaluator) {
+      measure(device, **evaluator);
+    } else {
+      std::fprintf(stderr, "%s\n", evaluator.error().message.c_str());
     }
-    std::printf("made in %.3f s\n", seconds_since(start));
-    measure(**evaluator, seconds);
   }
 }

@@ -1,0 +1,13 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "core/mesh/mesh.h"
+#include "core/slice/tracked_slice.h"
+
+namespace sonoloft::bench {
+
+/// How far each contour point of the slices is from the nearest triangle. @return [#points] mm
+[[nodiscard]] std::vector<double> contour_distances(std::span<const TrackedSlice> slices, const IndexedMesh& mesh);
+
+}  // namespace sonoloft::bench

@@ -1,0 +1,56 @@
+#include "tests/bench/support/reconstruction.h"
+
+#include "core/io/slice_files.h"
+
+namespace sonoloft::bench {
+
+std::vector<TrackedSlice> read_set(const std::filesystem::path& file) {
+  return or_exit(read_csl(file)).slices;
+}
+
+Batch run_batch(std::span<const TrackedSlice> slices, const ReconstructorOptions& options) {
+  Reconstructor reconstructor = or_exit(Reconstructor::create(options));
+  Batch batch;
+  const auto start = Clock::now();
+  for (const TrackedSlice& slice : slices) batch.times.cells_ms += or_exit(reconstructor.add(slice)).cells_ms;
+  const UpdateReport report = or_exit(reconstructor.update());
+  batch.times.total_ms = ms_since(start);
+  batch.times.field_ms = report.field_ms;
+  batch.times.octree_ms = report.octree_ms;
+  batch.times.smooth_ms = report.smooth_ms;
+  batch.times.mesh_ms = report.mesh_ms;
+  batch.counts = reconstructor.counts();
+  return batch;
+}
+
+Batch median_batch(std::span<const TrackedSlice> slices, const ReconstructorOptions& options, std::size_t runs,
+                   double enough_ms) {
+  std::vector<Batch> batches;
+  const auto start = Clock::now();
+  do {
+    batches.push_back(run_batch(slices, options));
+  } while (batches.size() < runs && ms_since(start) < enough_ms);
+  Batch result = batches.front();
+  for (double StageTimes::*stage : {&StageTimes::total_ms, &StageTimes::cells_ms, &StageTimes::field_ms,
+                                    &StageTimes::octree_ms, &StageTimes::smooth_ms, &StageTimes::mesh_ms}) {
+    std::vector<double> values;
+    for (const Batch& batch : batches) values.push_back(batch.times.*stage);
+    result.times.*stage = median(std::move(values));
+  }
+  return result;
+}
+
+std::vector<double> run_online(std::span<const TrackedSlice> slices, const ReconstructorOptions& options,
+                               Detail detail) {
+  Reconstructor reconstructor = or_exit(Reconstructor::create(options));
+  std::vector<double> times_ms;
+  for (const TrackedSlice& slice : slices) {
+    const auto start = Clock::now();
+    or_exit(reconstructor.add(slice));
+    or_exit(reconstructor.update(detail));
+    times_ms.push_back(ms_since(start));
+  }
+  return times_ms;
+}
+
+}  // namespace sonoloft::bench

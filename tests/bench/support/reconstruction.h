@@ -1,0 +1,41 @@
+#pragma once
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <vector>
+
+#include "core/reconstructor/reconstructor.h"
+#include "tests/bench/support/figures.h"
+
+namespace sonoloft::bench {
+
+/// How long all slices of a scan take, stage by stage.
+struct StageTimes {
+  double total_ms = 0, cells_ms = 0, field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;
+};
+
+[[nodiscard]] std::vector<TrackedSlice> read_set(const std::filesystem::path& file);
+
+/// All slices at once, in a reconstructor of their own.
+struct Batch {
+  StageTimes times;
+  ReconstructorCounts counts;
+};
+[[nodiscard]] Batch run_batch(std::span<const TrackedSlice> slices, const ReconstructorOptions& options);
+
+/// The median of each stage over some runs; none is begun once they took `enough_ms` together.
+[[nodiscard]] Batch median_batch(std::span<const TrackedSlice> slices, const ReconstructorOptions& options,
+                                 std::size_t runs, double enough_ms = std::numeric_limits<double>::infinity());
+
+/// Slices one by one, the mesh brought up to date after each. @return [#slices] ms
+[[nodiscard]] std::vector<double> run_online(std::span<const TrackedSlice> slices, const ReconstructorOptions& options,
+                                             Detail detail);
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageTimes, total_ms, cells_ms, field_ms, octree_ms, smooth_ms, mesh_ms)
+
+}  // namespace sonoloft::bench
+
+namespace sonoloft {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReconstructorCounts, cells, faces, edges, samples, leaves, triangles)
+}  // namespace sonoloft

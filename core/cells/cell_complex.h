@@ -16,6 +16,8 @@ namespace sonoloft {
 enum class CellId : std::uint32_t {};   ///< dense, never reused
 enum class PlaneId : std::uint32_t {};  ///< 0..5 are the walls of the box, then the slices in the order of insertion
 
+struct CellStore;
+
 /// A face of a cell as that cell sees it. Valid until the next insert().
 struct CellFace {
   const Eigen::Isometry3d* image_to_reference;  ///< frame of the plane: x, y in the plane, z its normal
@@ -38,12 +40,23 @@ struct CellPoints {
 /// section 4.2.
 class CellComplex {
  public:
-  /// What one insert() changed: exactly the cells whose field must be computed again.
+  /// What one insert() had to look at: it does not grow with slices whose cells it does not reach, but for the way
+  /// through the tree.
+  struct Work {
+    std::uint32_t nodes_visited = 0;  ///< of the tree of planes
+    std::uint32_t faces_cut = 0;      ///< walls between cells that were split; a wall of two cells counts once
+    std::uint32_t edges_clipped = 0;  ///< label borders and outline pieces: of the slice on its way, and of those walls
+  };
+
+  /// What one insert() changed.
   struct Delta {
     PlaneId plane{};
-    std::vector<CellId> lower;  ///< [k] cells cut, ascending; each keeps its id for the part below the plane
-    std::vector<CellId> upper;  ///< [k] new cells; upper[i] was cut off lower[i]
-    std::uint32_t reached = 0;  ///< cells that the known part of the slice reaches; those not cut were too thin
+    std::vector<CellId> divided;  ///< cells of before that are now several, ascending: their field must be computed
+                                  ///< again; each keeps its id for one of its parts
+    std::vector<CellId> lower;    ///< [k] cells below the slice's walls
+    std::vector<CellId> upper;    ///< [k] cells above them, all new; upper[i] was cut off lower[i]
+    std::uint32_t reached = 0;    ///< cells that the known part of the slice reaches
+    Work work;
   };
 
   /// @param min_gap_mm  a cell is cut only if both parts reach at least this far from the plane: near-coincident slices
@@ -53,7 +66,8 @@ class CellComplex {
   CellComplex(CellComplex&&) noexcept;
   CellComplex& operator=(CellComplex&&) noexcept;
 
-  /// Cuts every cell that the known part of `section` reaches.
+  /// Cuts every cell that the known part of `section` reaches, except where all of a cell is of one label and the slice
+  /// says nothing else there: such a cell is cut once a later slice does, as if it had been cut at once.
   /// @post  cell_count() grew by upper.size(); views taken before are invalid
   /// @error outside_box (no known part in the box), cell_limit, duplicate_plane (reached cells, but cut none):
   ///        nothing has changed
@@ -82,12 +96,13 @@ class CellComplex {
               std::vector<std::uint32_t>& order, std::vector<CellPoints>& groups) const;
 
   /// Empty when the complex is sound, else what is wrong: Euler's formula per cell, two faces at every edge, vertices
-  /// on the planes of their faces, volumes that add up to the box. O(all); for tests.
+  /// on the planes of their faces and within all others, the tree leading to the cell; over all cells, a cell on both
+  /// sides of every wall and volumes that add up to the box, to 10^-9 or what rounding of coordinates leaves.
+  /// O(all); for tests.
   [[nodiscard]] std::string validate() const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<CellStore> store_;
 };
 
 }  // namespace sonoloft

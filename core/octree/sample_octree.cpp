@@ -92,7 +92,7 @@ void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth, In
 
 void SampleOctree::note(const CellComplex& cells, const CellComplex::Delta& delta) {
   std::vector<CellFace> faces;
-  for (const CellId cell : delta.lower) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
+  for (const CellId cell : delta.divided) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
   for (const CellId cell : delta.upper) {
     cells.faces(cell, faces);
     for (const CellFace& face : faces) {

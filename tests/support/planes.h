@@ -55,4 +55,10 @@ inline Section section_of_discs(const Eigen::Isometry3d& frame, const std::vecto
   return section;
 }
 
+/// Nothing outside of the discs was seen.
+inline void bound_view(Section& section) {
+  for (SectionEdge& e : section.edges) e.right = kUnknown;
+  section.border = kUnknown;
+}
+
 }  // namespace sonoloft::test

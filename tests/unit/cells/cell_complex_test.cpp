@@ -135,8 +135,7 @@ TEST_CASE("cells: a slice with a bounded view cuts only the cells that its known
   REQUIRE(complex.insert(test::section_of_discs(test::frame_at({0, 0, 0}, {1, 0, 0}), {{{0, 0}, 5, 1}})));
   // Known: a disc on the far side of the first plane only; all else of the second plane was not seen.
   Section view = test::section_of_discs(test::frame_at({0, 0, 0}, {0, 0, 1}), {{{25, 0}, 10, kOutside}});
-  for (SectionEdge& e : view.edges) e.right = kUnknown;
-  view.border = kUnknown;
+  test::bound_view(view);
   const auto delta = complex.insert(view);
   REQUIRE(delta);
   CHECK(delta->lower == std::vector<CellId>{CellId{1}});

@@ -1,4 +1,4 @@
-#include "core/cells/exact_plane.h"
+#include "core/cells/exact/exact_plane.h"
 
 #include <CGAL/Exact_rational.h>
 #include <CGAL/determinant.h>

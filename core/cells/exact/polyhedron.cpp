@@ -1,4 +1,4 @@
-#include "core/cells/polyhedron.h"
+#include "core/cells/exact/polyhedron.h"
 
 #include <algorithm>
 #include <cassert>
@@ -160,6 +160,10 @@ std::string validate(const Polyhedron& p, std::span<const Plane> planes, double 
   for (const auto& [edge, count] : directed)
     if (!directed.contains({edge.second, edge.first})) return "an edge with one face only";
   if (p.vertices.size() + p.faces.size() != directed.size() / 2 + 2) return "Euler's formula does not hold";
+  for (const PolyFace& face : p.faces)
+    for (const PolyVertex& v : p.vertices)
+      if (planes[face.plane].distance(v.position) * (face.above ? 1.0 : -1.0) < -tolerance_mm)
+        return "a vertex beyond a face";
   return {};
 }
 

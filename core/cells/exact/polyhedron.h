@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/cells/exact_plane.h"
+#include "core/cells/exact/exact_plane.h"
 
 namespace sonoloft {
 
@@ -42,7 +42,7 @@ struct Polyhedron {
 [[nodiscard]] double volume(const Polyhedron& p);
 [[nodiscard]] Eigen::Vector3d centre(const Polyhedron& p);
 
-/// Empty when sound, else what is wrong. @param tolerance_mm of vertices off their planes
+/// Empty when sound, else what is wrong. O(#faces #vertices). @param tolerance_mm of vertices off their planes
 [[nodiscard]] std::string validate(const Polyhedron& p, std::span<const Plane> planes, double tolerance_mm);
 
 }  // namespace sonoloft

@@ -13,9 +13,11 @@ Result<std::unique_ptr<FieldEvaluator>> make_evaluator(DeviceChoice choice, int 
     if (log) log(line);
   };
   if (choice != DeviceChoice::cpu) {
-    auto opencl = make_opencl_evaluator(threads, KernelForm::by_device);
+    const bool named = choice == DeviceChoice::opencl;
+    auto opencl =
+        make_opencl_evaluator(threads, KernelForm::by_device, named ? DeviceKinds::all : DeviceKinds::no_processors);
     if (opencl) say("field: " + (*opencl)->name());
-    if (opencl || choice == DeviceChoice::opencl) return opencl;
+    if (opencl || named) return opencl;
     say("field: not on OpenCL: " + opencl.error().message);
   }
   auto cpu = make_cpu_evaluator(threads);

@@ -10,6 +10,8 @@
 namespace sonoloft {
 
 /// The evaluator of a run; one run stays with one, since different devices round differently.
+/// `automatic` is OpenCL on a graphics device or an accelerator, else the CPU twin: on a processor that is faster than
+/// OpenCL (docs/pipeline/4-field.md has the figures).
 /// @param threads  CPU threads to use, also of an OpenCL device that is the CPU
 /// @param log      called (here and now) with one line on what was chosen and, for `automatic`, why not OpenCL; may be
 /// empty

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "core/gpu/program_cache.h"
@@ -32,15 +35,21 @@ std::vector<cl::Device> usable_devices() {
   return found;
 }
 
-/// The part of a processor that has `threads` cores; all of it where it cannot be divided.
+/// The part of a processor that has `threads` cores; all of it where it cannot be divided. Parts are kept for good:
+/// PoCL 3.1 crashes when one is released while its thread puts the last command away, after finish() has returned.
 cl::Device with_threads(const cl::Device& device, int threads) {
   if (static_cast<cl_uint>(threads) >= device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>()) return device;
+  static std::mutex mutex;
+  static auto& parts = *new std::map<std::pair<cl_device_id, int>, cl::Device>;
+  const std::lock_guard lock(mutex);
+  cl::Device& part = parts[{device(), threads}];
+  if (part() != nullptr) return part;
   const cl_device_partition_property by_counts[] = {CL_DEVICE_PARTITION_BY_COUNTS, threads,
                                                     CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
-  std::vector<cl::Device> parts;
+  std::vector<cl::Device> made;
   cl::Device whole = device;
-  if (whole.createSubDevices(by_counts, &parts) != CL_SUCCESS || parts.empty()) return device;
-  return parts.front();
+  const bool divided = whole.createSubDevices(by_counts, &made) == CL_SUCCESS && !made.empty();
+  return part = divided ? made.front() : device;
 }
 
 std::string first_line(std::string text) {
@@ -50,13 +59,18 @@ std::string first_line(std::string text) {
 
 }  // namespace
 
-Result<OpenClDevice> open_opencl_device(int threads) {
+Result<OpenClDevice> open_opencl_device(int threads, DeviceKinds kinds) {
   const std::vector<cl::Device> devices = usable_devices();
   if (devices.empty())
     return fail(
         ErrorCode::no_opencl_device,
         "no OpenCL 1.2 device found; install a driver (for the processor: pocl-opencl-icd) or choose the device 'cpu'");
   const auto graphics = std::find_if_not(devices.begin(), devices.end(), is_processor);
+  if (graphics == devices.end() && kinds == DeviceKinds::no_processors)
+    return fail(ErrorCode::no_opencl_device,
+                "no OpenCL graphics device or accelerator found; on a processor (" +
+                    devices.front().getInfo<CL_DEVICE_NAME>() +
+                    ") the device 'cpu' is faster than OpenCL; to use it all the same choose the device 'opencl'");
 
   OpenClDevice opened;
   opened.device = graphics != devices.end() ? *graphics : devices.front();
@@ -66,8 +80,10 @@ Result<OpenClDevice> open_opencl_device(int threads) {
   cl_int code = CL_SUCCESS;
   opened.context = cl::Context(opened.device, nullptr, nullptr, nullptr, &code);
   if (code != CL_SUCCESS) return opencl_failure(code, "opening " + opened.name);
-  opened.queue = cl::CommandQueue(opened.context, opened.device, 0, &code);
-  if (code != CL_SUCCESS) return opencl_failure(code, "opening a queue on " + opened.name);
+  for (cl::CommandQueue* queue : {&opened.copies, &opened.kernels}) {
+    *queue = cl::CommandQueue(opened.context, opened.device, 0, &code);
+    if (code != CL_SUCCESS) return opencl_failure(code, "opening a queue on " + opened.name);
+  }
   return opened;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "core/gpu/opencl_device.h"
 
@@ -14,6 +15,35 @@ extern const char kFieldKernelSource[];  // core/kernels/field.cl, embedded by t
 namespace {
 
 using kernels::u32;
+
+constexpr std::size_t kLanes = SONOLOFT_LANES;
+constexpr cl_uint kFirstTaskArgument = 5;  ///< of the kernel; then the last task
+/// Enough to keep a graphics device busy, little enough to be copied while another such piece is computed.
+constexpr std::size_t kTasksPerPiece = 4096;
+
+template <class Range>
+std::size_t bytes_of(const Range& values) {
+  return values.size() * sizeof(*values.data());
+}
+
+/// Whole blocks of a batch: their tasks, points and shares lie in a row.
+struct Piece {
+  std::size_t first_task, last_task;
+  std::size_t first_share, last_share;
+};
+
+/// @pre the batch has blocks
+std::vector<Piece> cut(const FieldBatch& batch) {
+  std::vector<Piece> pieces;
+  for (const FieldBlock& block : batch.blocks) {
+    const std::size_t task = block.first_point / kLanes;
+    if (pieces.empty() || task - pieces.back().first_task >= kTasksPerPiece) {
+      if (!pieces.empty()) pieces.back().last_task = task, pieces.back().last_share = block.first_share;
+      pieces.push_back({task, batch.tasks.size(), block.first_share, batch.share_count});
+    }
+  }
+  return pieces;
+}
 
 /// A buffer on the device that grows when it must.
 class DeviceArray {
@@ -26,13 +56,6 @@ class DeviceArray {
     buffer_ = cl::Buffer(context, CL_MEM_READ_WRITE, wanted, nullptr, &code);
     capacity_ = code == CL_SUCCESS ? wanted : 0;
     return code;
-  }
-
-  template <class Range>
-  cl_int upload(const OpenClDevice& on, const Range& values) {
-    const std::size_t bytes = values.size() * sizeof(*values.data());
-    if (const cl_int code = reserve(on.context, bytes); code != CL_SUCCESS) return code;
-    return on.queue.enqueueWriteBuffer(buffer_, CL_FALSE, 0, bytes, values.data());
   }
 
   [[nodiscard]] const cl::Buffer& buffer() const { return buffer_; }
@@ -54,41 +77,76 @@ class OpenClEvaluator final : public FieldEvaluator {
 
  private:
   [[nodiscard]] Result<void> compute_shares(FieldBatch& batch) override {
-    if (const cl_int code = upload(batch); code != CL_SUCCESS)
-      return opencl_failure(code, "copying points to " + on_.name);
-    if (const cl_int code = launch(static_cast<u32>(batch.tasks.size())); code != CL_SUCCESS)
-      return opencl_failure(code, "running the field kernel on " + on_.name);
-    const cl_int code = on_.queue.enqueueReadBuffer(share_.buffer(), CL_TRUE, 0, batch.share.size() * sizeof(float),
-                                                    batch.share.data());
-    if (code != CL_SUCCESS) return opencl_failure(code, "reading the field from " + on_.name);
+    cl_int code = run(batch);
+    // Also after an error: the queues must be done with the batch.
+    for (const cl::CommandQueue* queue : {&on_.copies, &on_.kernels}) code = std::min(code, queue->finish());
+    if (code != CL_SUCCESS) return opencl_failure(code, "evaluating the field on " + on_.name);
     return {};
   }
 
-  cl_int upload(const FieldBatch& batch) {
-    const cl_int codes[] = {cells_.upload(on_, batch.cells.cells()),
-                            faces_.upload(on_, batch.cells.faces()),
-                            runs_.upload(on_, batch.cells.runs()),
-                            edges_.upload(on_, batch.cells.edges()),
-                            tasks_.upload(on_, batch.tasks),
-                            x_.upload(on_, batch.x),
-                            y_.upload(on_, batch.y),
-                            z_.upload(on_, batch.z),
-                            share_.reserve(on_.context, batch.share.size() * sizeof(float))};
-    return *std::min_element(std::begin(codes), std::end(codes));  // errors are negative, success is 0
+  /// While a piece is computed, the shares of the one before it come back and the points of the next go there.
+  cl_int run(FieldBatch& batch) {
+    const std::vector<Piece> pieces = cut(batch);
+    std::vector<cl::Event> computed(pieces.size());
+    cl_int code = upload_cells(batch);
+    for (std::size_t i = 0; i < pieces.size() && code == CL_SUCCESS; ++i) {
+      std::vector<cl::Event> uploaded(1);
+      code = upload_points(batch, pieces[i], uploaded.front());
+      if (code == CL_SUCCESS) code = launch(pieces[i], uploaded, computed[i]);
+      if (code == CL_SUCCESS && i > 0) code = download(batch, pieces[i - 1], {computed[i - 1]});
+    }
+    if (code == CL_SUCCESS) code = download(batch, pieces.back(), {computed.back()});
+    return code;
   }
 
-  cl_int launch(u32 task_count) {
+  cl_int upload_cells(const FieldBatch& batch) {
+    const auto upload = [this](DeviceArray& array, const auto& values) {
+      const cl_int code = array.reserve(on_.context, bytes_of(values));
+      return code != CL_SUCCESS ? code : write(array, values, 0, values.size(), nullptr);
+    };
+    cl_int code = std::min({upload(cells_, batch.cells.cells()), upload(faces_, batch.cells.faces()),
+                            upload(runs_, batch.cells.runs()), upload(edges_, batch.cells.edges())});
+    code = std::min({code, tasks_.reserve(on_.context, bytes_of(batch.tasks)),
+                     x_.reserve(on_.context, bytes_of(batch.x)), y_.reserve(on_.context, bytes_of(batch.y)),
+                     z_.reserve(on_.context, bytes_of(batch.z)), share_.reserve(on_.context, bytes_of(batch.share))});
     cl_uint argument = 0;
-    cl_int code = CL_SUCCESS;
     const auto set = [&](const auto& value) { code = std::min(code, kernel_.setArg(argument++, value)); };
     for (const DeviceArray* array : {&cells_, &faces_, &runs_, &edges_, &tasks_}) set(array->buffer());
-    set(task_count);
+    argument = kFirstTaskArgument + 2;
     for (const DeviceArray* array : {&x_, &y_, &z_, &share_}) set(array->buffer());
+    return code;  // errors are negative, success is 0
+  }
+
+  cl_int upload_points(const FieldBatch& batch, const Piece& piece, cl::Event& done) {
+    const std::size_t first = piece.first_task * kLanes, last = piece.last_task * kLanes;
+    const cl_int code = std::min({write(tasks_, batch.tasks, piece.first_task, piece.last_task, nullptr),
+                                  write(x_, batch.x, first, last, nullptr), write(y_, batch.y, first, last, nullptr),
+                                  write(z_, batch.z, first, last, &done)});
+    return std::min(code, on_.copies.flush());
+  }
+
+  cl_int launch(const Piece& piece, const std::vector<cl::Event>& after, cl::Event& done) {
+    cl_int code = std::min(kernel_.setArg(kFirstTaskArgument, static_cast<u32>(piece.first_task)),
+                           kernel_.setArg(kFirstTaskArgument + 1, static_cast<u32>(piece.last_task)));
     if (code != CL_SUCCESS) return code;
-    const std::size_t items = std::size_t{task_count} * (SONOLOFT_LANES / width_);
+    const std::size_t items = (piece.last_task - piece.first_task) * (kLanes / width_);
     const std::size_t group = width_ == 1 ? 64 : 16;  // one size each: every other is compiled anew
-    return on_.queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange((items + group - 1) / group * group),
-                                          cl::NDRange(group));
+    code = on_.kernels.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange((items + group - 1) / group * group),
+                                            cl::NDRange(group), &after, &done);
+    return std::min(code, on_.kernels.flush());
+  }
+
+  cl_int download(FieldBatch& batch, const Piece& piece, const std::vector<cl::Event>& after) {
+    const std::size_t bytes = (piece.last_share - piece.first_share) * sizeof(float);
+    return on_.copies.enqueueReadBuffer(share_.buffer(), CL_FALSE, piece.first_share * sizeof(float), bytes,
+                                        batch.share.data() + piece.first_share, &after);
+  }
+
+  template <class Range>
+  cl_int write(const DeviceArray& to, const Range& values, std::size_t first, std::size_t last, cl::Event* done) {
+    constexpr std::size_t kSize = sizeof(*values.data());
+    return on_.copies.enqueueWriteBuffer(to.buffer(), CL_FALSE, first * kSize, (last - first) * kSize,
+                                         values.data() + first, nullptr, done);
   }
 
   OpenClDevice on_;
@@ -140,8 +198,8 @@ Result<void> check_device(FieldEvaluator& evaluator) {
 
 }  // namespace
 
-Result<std::unique_ptr<FieldEvaluator>> make_opencl_evaluator(int threads, KernelForm form) {
-  auto device = open_opencl_device(threads);
+Result<std::unique_ptr<FieldEvaluator>> make_opencl_evaluator(int threads, KernelForm form, DeviceKinds kinds) {
+  auto device = open_opencl_device(threads, kinds);
   if (!device) return tl::unexpected(device.error());
   const u32 width = vector_width(*device, form);
   const auto program =

@@ -39,12 +39,12 @@ typedef SONOLOFT_VECTOR(int, SONOLOFT_WIDTH) Mask;  // -1 where true
 
 __kernel void field_shares(__global const PackedCell* cells, __global const PackedFace* faces,
                            __global const PackedRun* runs, __global const PackedEdge* edges,
-                           __global const PackedTask* tasks, u32 task_count, __global const float* x,
+                           __global const PackedTask* tasks, u32 first_task, u32 last_task, __global const float* x,
                            __global const float* y, __global const float* z, __global float* share) {
   const u32 pieces = SONOLOFT_LANES / SONOLOFT_WIDTH;  // of a task
   const u32 index = (u32)get_global_id(0);
-  if (index / pieces >= task_count) return;
-  const PackedTask task = tasks[index / pieces];
+  if (first_task + index / pieces >= last_task) return;
+  const PackedTask task = tasks[first_task + index / pieces];
   const u32 lane = index % pieces * SONOLOFT_WIDTH;
   const u32 point = task.first_point + lane;
   const FieldBuffers buffers = {cells, faces, runs, edges, share};

@@ -36,20 +36,33 @@ TEST_CASE("evaluator: the CPU twin needs no device and says what it is") {
   CHECK(lines[0].find((*evaluator)->name()) != std::string::npos);
 }
 
-TEST_CASE("evaluator: automatic always gives one, and says why it is not OpenCL") {
+TEST_CASE("evaluator: automatic always gives one: OpenCL but for a processor, and says why it is not OpenCL") {
   lines.clear();
-  const auto opencl = make_evaluator(DeviceChoice::opencl, 1, {});
+  const auto graphics = make_opencl_evaluator(1, KernelForm::by_device, DeviceKinds::no_processors);
   const auto automatic = make_evaluator(DeviceChoice::automatic, 1, kLog);
   REQUIRE(automatic);
-  if (opencl) {
-    CHECK((*automatic)->name() == (*opencl)->name());
+  if (graphics) {
+    CHECK((*automatic)->name() == (*graphics)->name());
     CHECK(lines.size() == 1);
   } else {
-    CHECK(opencl.error().code == ErrorCode::no_opencl_device);
+    CHECK(graphics.error().code == ErrorCode::no_opencl_device);
     CHECK((*automatic)->name().find("CPU (") == 0);
     REQUIRE(lines.size() == 2);
-    CHECK(lines[0].find(opencl.error().message) != std::string::npos);
+    CHECK(lines[0].find(graphics.error().message) != std::string::npos);
+    MESSAGE(lines[0]);
   }
+}
+
+TEST_CASE("evaluator: OpenCL on a processor is there for who asks for it") {
+  const auto graphics = make_opencl_evaluator(1, KernelForm::by_device, DeviceKinds::no_processors);
+  const auto named = make_evaluator(DeviceChoice::opencl, 1, {});
+  if (!named) {
+    CHECK(named.error().code == ErrorCode::no_opencl_device);
+    MESSAGE("SKIPPED: " << named.error().message);
+    return;
+  }
+  CHECK((*named)->name().find("OpenCL (") == 0);
+  if (!graphics) CHECK(graphics.error().message.find("choose the device 'opencl'") != std::string::npos);
 }
 
 TEST_CASE("evaluator: OpenCL's shares have the same bits whatever is evaluated beside them and by how many threads") {
@@ -71,4 +84,32 @@ TEST_CASE("evaluator: OpenCL's shares have the same bits whatever is evaluated b
     REQUIRE((*one)->evaluate(batches.shuffled));
     CHECK(batches.different_bits() == 0);
   }
+}
+
+TEST_CASE("evaluator: a batch of many points, which OpenCL works off in pieces, has the bits of its blocks alone") {
+  const auto evaluator = make_opencl_evaluator(2, KernelForm::by_device);
+  if (!evaluator) {
+    MESSAGE("SKIPPED: " << evaluator.error().message);
+    return;
+  }
+  test::Random random(22);
+  const std::array<Label, 3> labels = {0, 1, 2};
+  FieldBatch together;
+  std::vector<FieldBatch> alone(7);
+  for (FieldBatch& one : alone) {
+    const test::FieldCell cell(test::random_walls(random, 6, labels, 6, 30.0));
+    std::vector<Eigen::Vector3d> points(30001);
+    for (Eigen::Vector3d& p : points) p = cell.random_point(random);
+    together.add_points(together.cells.add(cell.faces(), cell.centre()), points);
+    one.add_points(one.cells.add(cell.faces(), cell.centre()), points);
+  }
+  REQUIRE((*evaluator)->evaluate(together));
+  std::size_t different = 0, shares = 0;
+  for (FieldBatch& one : alone) {
+    REQUIRE((*evaluator)->evaluate(one));
+    for (const float share : one.share) different += together.share[shares++] != share;
+  }
+  CHECK(shares == together.share.size());
+  CHECK(different == 0);
+  MESSAGE(together.tasks.size() << " tasks, " << shares << " shares, " << different << " different");
 }

@@ -97,28 +97,55 @@ Eigen::Vector3f nearest_on(const Eigen::Vector3f& a, const Eigen::Vector3f& b, c
   return length2 > 0.0F ? Eigen::Vector3f(a + std::clamp(ab.dot(p - a) / length2, 0.0F, 1.0F) * ab) : a;
 }
 
-/// The field has a step at a slice, so samples say where its contour is to one cell only: the vertex of a cell of the
-/// contour's two labels is put on the point of the contour that is nearest to it, and stays there.
-void snap_to_contours(std::span<const ContourPiece> contours, ReadScratch& scratch) {
-  BrickCells& cells = scratch.cells;
-  scratch.to_contour2.assign(cells.simple_cells.size(), std::numeric_limits<float>::infinity());
-  std::vector<CellPoint> snapped = cells.placed;
-  for (const ContourPiece& piece : contours)
+/// Puts vertices on contours.
+class ContourSnapper {
+ public:
+  explicit ContourSnapper(ReadScratch& scratch) : cells_(scratch.cells), pairs_(scratch.pairs), rank_(scratch.rank) {
+    rank_.assign(cells_.simple_cells.size(), std::numeric_limits<float>::infinity());
+    snapped_ = cells_.placed;
+  }
+
+  void snap(const ContourPiece& piece) {
+    const Eigen::Vector3f step = piece.b - piece.a;
     walk_grid(piece.a.cast<double>(), piece.b.cast<double>(), [&](double from, double to) {
-      const Eigen::Vector3f step = piece.b - piece.a;
       const Eigen::Vector3f p = piece.a + static_cast<float>(from) * step, q = piece.a + static_cast<float>(to) * step;
       const Eigen::Vector3i at = (0.5F * (p + q)).array().floor().cast<int>().max(0).min(kBrickSize - 1);
-      const std::uint16_t s = cells.slot[static_cast<std::size_t>(sample_index(at.x(), at.y(), at.z()))];
-      if (s == BrickCells::kNoSlot || scratch.pairs[s] != LabelPair{piece.lower, piece.upper}) return;
-      const Eigen::Vector3f base = at.cast<float>(), vertex = to_steps(cells.placed[s]);
-      const Eigen::Vector3f on = nearest_on(p - base, q - base, vertex);
-      if (const float moved2 = (on - vertex).squaredNorm(); moved2 < scratch.to_contour2[s]) {
-        scratch.to_contour2[s] = moved2;
-        snapped[s] = to_cell_point(on);
-        cells.pull[s] = 0;
-      }
+      const std::uint16_t s = cells_.slot[static_cast<std::size_t>(sample_index(at.x(), at.y(), at.z()))];
+      if (s == BrickCells::kNoSlot || pairs_[s] != LabelPair{piece.lower, piece.upper}) return;
+      const Eigen::Vector3f base = at.cast<float>();
+      offer(s, nearest_on(p - base, q - base, to_steps(cells_.placed[s])), false);
+      if (from == 0.0 && piece.a_is_end) offer(s, p - base, true);
+      if (to == 1.0 && piece.b_is_end) offer(s, q - base, true);
     });
-  cells.placed = std::move(snapped);
+  }
+
+  void finish() { cells_.placed = std::move(snapped_); }
+
+ private:
+  /// Keeps the best point of a cell: a corner of the contour, which a vertex beside it would cut off, before any other
+  /// point, the nearer one to the vertex before the farther one, the first of equals.
+  void offer(std::uint16_t s, const Eigen::Vector3f& on, bool is_end) {
+    constexpr float kFarther = 16;  // than any two points of a cell, squared
+    const float rank = (on - to_steps(cells_.placed[s])).squaredNorm() + (is_end ? 0 : kFarther);
+    if (!(rank < rank_[s])) return;
+    rank_[s] = rank;
+    snapped_[s] = to_cell_point(on);
+    cells_.pull[s] = 0;
+  }
+
+  BrickCells& cells_;
+  const std::vector<LabelPair>& pairs_;
+  std::vector<float>& rank_;
+  std::vector<CellPoint> snapped_;
+};
+
+/// The field has a step at a slice, so samples say where its contour is to one cell only: the vertex of a cell of the
+/// contour's two labels is put on the contour, and stays there.
+void snap_to_contours(std::span<const ContourPiece> contours, ReadScratch& scratch) {
+  if (contours.empty()) return;
+  ContourSnapper snapper(scratch);
+  for (const ContourPiece& piece : contours) snapper.snap(piece);
+  snapper.finish();
 }
 
 }  // namespace

@@ -42,8 +42,8 @@ using LabelPair = std::array<Label, 2>;
 struct ReadScratch {
   SampleBlock block;
   BrickCells cells;
-  std::vector<LabelPair> pairs;    ///< [#S] both kNotSampled where there are more than two
-  std::vector<float> to_contour2;  ///< [#S] squared distance that snapping moved the vertex, infinite where none
+  std::vector<LabelPair> pairs;  ///< [#S] both kNotSampled where there are more than two
+  std::vector<float> rank;       ///< [#S] of the point of a contour that a vertex is put on
 };
 
 /// The cells of one brick, and their vertices smoothed against those of the cells beside them.

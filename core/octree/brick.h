@@ -48,8 +48,9 @@ struct Brick {
 
 /// A piece of the contours of the slices within the cells of one brick: a straight border between two labels.
 struct ContourPiece {
-  Eigen::Vector3f a, b;  ///< lattice steps from the brick's first sample, 0..8
-  Label lower, upper;    ///< the labels beside it, lower < upper
+  Eigen::Vector3f a, b;     ///< lattice steps from the brick's first sample, 0..8
+  Label lower, upper;       ///< the labels beside it, lower < upper
+  bool a_is_end, b_is_end;  ///< not only of this piece, but of an edge of the contour
 };
 
 /// What the mesh stage reads. Postcondition of every update, on which closed meshes rest: for every lattice edge whose

@@ -83,7 +83,8 @@ void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth, In
     WorkBrick& brick = bricks[index];
     const Eigen::Vector3d base =
         Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z).cast<double>() * kBrickSize;
-    brick.contours.push_back({(p - base).cast<float>(), (q - base).cast<float>(), contour.lower, contour.upper});
+    brick.contours.push_back(
+        {(p - base).cast<float>(), (q - base).cast<float>(), contour.lower, contour.upper, from == 0.0, to == 1.0});
     brick.seeds |= octant.bit();
     growth.activate(octant);
     contoured.add(index);

@@ -1,6 +1,6 @@
 // How good the live mesh of a recorded set is: the shape of its triangles, how near it keeps to the contours, and
 // whether it is closed, manifold and free of crossings.  bench_quality <file.csl> <depth>
-#include "tests/bench/quality/contour_distance.h"
+#include "tests/support/contour_distance.h"
 #include "tests/bench/support/reconstruction.h"
 #include "tests/support/mesh_check.h"
 
@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   const ReconstructorOptions options = or_exit(options_for(slices, depth));
   const IndexedMesh mesh = mesh_of(slices, options);
   const std::vector<double> angles = test::smallest_angles_deg(mesh);
-  const std::vector<double> distances = contour_distances(slices, mesh);
+  const std::vector<double> distances = test::contour_distances(slices, mesh);
   const test::MeshReport report = test::check_mesh(mesh);
   nlohmann::json crossings;  // null where triangles without an area leave the question open
   if (report.degenerate_triangles == 0) crossings = test::count_self_intersections(mesh);

@@ -2,12 +2,14 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <set>
 
 #include "core/reconstructor/reconstructor.h"
 #include "core/slice/section.h"
+#include "tests/support/contour_distance.h"
 #include "tests/support/mesh_check.h"
 #include "tests/support/mesh_labels.h"
 
@@ -87,6 +89,16 @@ TEST_CASE("reconstructor: every recorded set gives closed 2-manifolds that do no
     const Agreement agreement = compare(test::MeshLabels(mesh), file->slices, 1.5 * options->spacing_mm);
     const double share = static_cast<double>(agreement.agree) / static_cast<double>(agreement.points);
     CHECK(share >= 0.995);
+    std::vector<double> distance = test::contour_distances(file->slices, mesh);
+    std::sort(distance.begin(), distance.end());
+    const auto in_cells = [&](double share_of_points) {
+      return distance[static_cast<std::size_t>(share_of_points * static_cast<double>(distance.size() - 1))] /
+             options->spacing_mm;
+    };
+    CHECK(in_cells(0.5) <= 0.02);
+    CHECK(in_cells(0.95) <= 0.5);  // 0.25 a depth finer: what is left lies where the mesh is coarser than the contours
+    MESSAGE(name << ": contour points are ", in_cells(0.5), " finest cells away in the median, 95 % at most ",
+            in_cells(0.95));
     MESSAGE(name << ": " << mesh.triangles.size() << " triangles, " << crossing << " self-intersections, "
                  << agreement.points << " points on slices agree to " << 100.0 * share << " %");
   }

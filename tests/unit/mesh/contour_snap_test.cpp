@@ -13,7 +13,8 @@ class SlabLattice final : public SampleLattice {
  public:
   explicit SlabLattice(std::vector<ContourPiece> contours) : contours_(std::move(contours)) {
     brick_.palette = {0, 1};
-    for (int i = 0; i < kBrickSamples; ++i) brick_.label[static_cast<std::size_t>(i)] = i >> 6 <= 3 ? Label{1} : kOutside;
+    for (int i = 0; i < kBrickSamples; ++i)
+      brick_.label[static_cast<std::size_t>(i)] = i >> 6 <= 3 ? Label{1} : kOutside;
     for (const Label of : brick_.palette)
       for (const Label label : brick_.label) brick_.share.push_back(label == of ? 1.0F : 0.0F);
   }
@@ -33,7 +34,7 @@ std::vector<Eigen::Vector3f> vertices(const std::vector<ContourPiece>& contours)
   return extractor.snapshot().indexed().positions;
 }
 
-const ContourPiece kPiece{{1.3F, 1.2F, 3.2F}, {5.8F, 4.1F, 3.8F}, 0, 1};
+const ContourPiece kPiece{{1.3F, 1.2F, 3.2F}, {5.8F, 4.1F, 3.8F}, 0, 1, false, false};
 
 double distance(const Eigen::Vector3f& p) {
   const Eigen::Vector3f along = kPiece.b - kPiece.a;
@@ -62,6 +63,19 @@ TEST_CASE("mesh: of two contours in a cell the nearer one has the vertex") {
   int same = 0;
   for (const auto& both = vertices({farther, kPiece}); const Eigen::Vector3f& p : both) same += distance(p) < 0.05;
   CHECK(same >= 7);  // where the two cross the same side of a cell, the pieces in it may differ
+}
+
+TEST_CASE("mesh: a corner of a contour has the vertex of its cell, whatever is nearer") {
+  ContourPiece to_corner = kPiece, from_corner{kPiece.b, {6.7F, 1.1F, 3.4F}, 0, 1, true, false};
+  to_corner.b_is_end = true;
+  const auto at_corner = [](const std::vector<Eigen::Vector3f>& points) {
+    return std::count_if(points.begin(), points.end(), [](const auto& p) { return (p - kPiece.b).norm() < 1e-4; });
+  };
+  ContourPiece no_end = from_corner;
+  no_end.a_is_end = false;
+  CHECK(at_corner(vertices({to_corner, from_corner})) == 1);
+  CHECK(at_corner(vertices({from_corner})) == 1);
+  CHECK(at_corner(vertices({kPiece, no_end})) == 0);
 }
 
 TEST_CASE("mesh: a contour of other labels moves nothing") {

@@ -1,4 +1,4 @@
-#include "tests/bench/quality/contour_distance.h"
+#include "tests/support/contour_distance.h"
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace sonoloft::bench {
+namespace sonoloft::test {
 namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
@@ -42,4 +42,4 @@ std::vector<double> contour_distances(std::span<const TrackedSlice> slices, cons
   return distances;
 }
 
-}  // namespace sonoloft::bench
+}  // namespace sonoloft::test

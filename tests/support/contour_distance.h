@@ -5,9 +5,9 @@
 #include "core/mesh/mesh.h"
 #include "core/slice/tracked_slice.h"
 
-namespace sonoloft::bench {
+namespace sonoloft::test {
 
 /// How far each contour point of the slices is from the nearest triangle. @return [#points] mm
 [[nodiscard]] std::vector<double> contour_distances(std::span<const TrackedSlice> slices, const IndexedMesh& mesh);
 
-}  // namespace sonoloft::bench
+}  // namespace sonoloft::test

@@ -44,7 +44,7 @@ void SliceCut::cut_by_remembered(Arrival arrival, std::vector<Arrival>& left) {
   PlaneCut& cut = cuts_.try_emplace(plane, store_, PlaneId{plane}, delta_.work).first->second;
   const CellId parts[2] = {arrival.cell, cut.cut_uniform(arrival.cell, side)};
   auto polygons = parts_at(store_, plane, store_.frames[plane_], std::move(arrival.polygon), delta_.work);
-  for (std::size_t upper : {0, 1}) {
+  for (const std::size_t upper : {std::size_t{0}, std::size_t{1}}) {
     Cell& part = store_.cells[static_cast<std::uint32_t>(parts[upper])];
     for (const std::uint32_t p : rest)
       if (is_wide_enough(store_, part.shape, store_.planes[p])) part.remembered.push_back(p);

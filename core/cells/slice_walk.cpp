@@ -77,7 +77,7 @@ std::vector<Arrival> walk(const CellStore& store, const Section& section, CellCo
     ++work.nodes_visited;
     const TreeNode& node = store.nodes[static_cast<std::size_t>(fragment.node)];
     auto parts = parts_at(store, node.plane, section.image_to_reference, std::move(fragment.polygon), work);
-    for (std::size_t upper : {0, 1})
+    for (const std::size_t upper : {std::size_t{0}, std::size_t{1}})
       if (!parts[upper].empty()) stack.push_back({node.child[upper], std::move(parts[upper])});
   }
   std::sort(reached.begin(), reached.end(), [](const Arrival& l, const Arrival& r) { return l.cell < r.cell; });

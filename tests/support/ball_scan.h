@@ -104,6 +104,10 @@ class ScanInbox {
   bool wait_for_updates(std::size_t count) {
     return wait([this, count] { return updates_.size() >= count; });
   }
+  /// For the last update to have this detail.
+  bool wait_for_detail(Detail detail) {
+    return wait([this, detail] { return !updates_.empty() && updates_.back()->detail == detail; });
+  }
   std::size_t count(ScanEventKind kind) const {
     const std::lock_guard lock(mutex_);
     return count_locked(kind);

@@ -1,6 +1,7 @@
 // What a scan delivers: meshes, counts, reasons.
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -201,18 +202,23 @@ TEST_CASE("statistics: a chunk that vanishes takes its triangles and its volume 
   CHECK(labels[0].label == 3);
 }
 
-TEST_CASE("scan: slices that come faster than full meshes get coarse ones, and a full one when they end") {
+TEST_CASE("scan: slices that come faster than full meshes get coarse ones, and a full one when they pause") {
   auto options = ball_scan_options();
   options.reconstructor.spacing_mm = 0.5;  // a full mesh takes longer than the millisecond between two slices
   options.stream.mode = device::StreamMode::live;
-  options.queue_capacity = kSlices;
   auto device_options = ball_device_options();
   device_options.rate_hz = 1000;
-  device_sim::LoopbackDevice device(device_options, ball_source(kSlices));
+  std::atomic<bool> paused = false;
+  const auto pause = [&](std::uint32_t, OwnedWireSlice&) { paused.wait(true); };
+  device_sim::LoopbackDevice device(device_options, ball_source(kSlices, true, pause));
   ScanInbox inbox;
   const auto scan = open_scan(device.port(), options);
   REQUIRE(scan->start(inbox.callbacks()));
-  REQUIRE(inbox.wait_for(ScanEventKind::end_of_data));
+  CHECK(inbox.wait_for_detail(Detail::coarse));
+  paused = true;
+  CHECK(inbox.wait_for_detail(Detail::full));
+  paused = false;
+  paused.notify_all();
   scan->stop();
 
   const auto updates = inbox.updates();
@@ -227,9 +233,20 @@ TEST_CASE("scan: slices that come faster than full meshes get coarse ones, and a
     CHECK(std::vector<BrickCoord>(all.begin(), all.end()) == updates[i]->changed_chunks);
   }
   CHECK(coarse > 0);
-  const MeshUpdate& last = *updates.back();
-  CHECK(last.detail == Detail::full);
-  CHECK(last.revision == kSlices);
-  for (const auto& update : updates)
-    if (update->detail == Detail::coarse) CHECK(update->mesh.indexed().triangles.size() < last.size.triangles);
+}
+
+TEST_CASE("scan: a live scan ends with a full mesh of all its slices") {
+  auto options = ball_scan_options();
+  options.stream.mode = device::StreamMode::live;
+  options.queue_capacity = kSlices;
+  auto device_options = ball_device_options();
+  device_options.rate_hz = 1000;
+  device_sim::LoopbackDevice device(device_options, ball_source(kSlices));
+  ScanInbox inbox;
+  const auto scan = open_scan(device.port(), options);
+  REQUIRE(scan->start(inbox.callbacks()));
+  REQUIRE(inbox.wait_for(ScanEventKind::end_of_data));
+  scan->stop();
+  CHECK(inbox.updates().back()->detail == Detail::full);
+  CHECK(inbox.updates().back()->revision == scan->counts().delivered - scan->counts().dropped);
 }

@@ -56,26 +56,16 @@ void CellSamples::sort_labels(const std::array<Label, 8>& corner_labels) {
 }
 
 void SampleBlock::select(const SampleLattice& lattice, const BrickCoord& coord) {
-  lattice_ = &lattice;
-  coord_ = coord;
-  labels_read_ = false;
   planes_of_.clear();
-}
-
-const std::array<Label, SampleBlock::kPoints>& SampleBlock::labels() {
-  if (!labels_read_) {
-    for (unsigned which = 0; which < 8; ++which) {
-      const LocalPoint at = corner_of({0, 0, 0}, which);
-      bricks_[which] = lattice_->find({coord_.x + at.x, coord_.y + at.y, coord_.z + at.z});
-      copy_part(which, bricks_[which] ? bricks_[which]->label.data() : nullptr, kNotSampled, labels_.data());
-    }
-    labels_read_ = true;
+  for (unsigned which = 0; which < 8; ++which) {
+    const LocalPoint at = corner_of({0, 0, 0}, which);
+    bricks_[which] = lattice.find({coord.x + at.x, coord.y + at.y, coord.z + at.z});
+    copy_part(which, bricks_[which] ? bricks_[which]->label.data() : nullptr, kNotSampled, labels_.data());
   }
-  return labels_;
 }
 
-void SampleBlock::cell_labels(LocalPoint cell, CellSamples& samples) {
-  const Label* lowest = labels().data() + index(cell.x, cell.y, cell.z);
+void SampleBlock::cell_labels(LocalPoint cell, CellSamples& samples) const {
+  const Label* lowest = labels_.data() + index(cell.x, cell.y, cell.z);
   std::array<Label, 8> corners;
   for (std::size_t c = 0; c < 8; ++c) corners[c] = lowest[kCorner[c]];
   samples.sort_labels(corners);

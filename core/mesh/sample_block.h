@@ -31,23 +31,20 @@ class SampleBlock {
   static constexpr std::array<int, 8> kCorner = {0,      1,          kSide,          kSide + 1,  // index() of (0..1)^3
                                                  kLayer, kLayer + 1, kLayer + kSide, kLayer + kSide + 1};
 
-  /// Says which brick this is about. Nothing is read before it is asked for.
+  /// Reads the labels of a brick; the shares of a label are read when they are asked for.
   void select(const SampleLattice& lattice, const BrickCoord& coord);
 
   /// All labels; kNotSampled where there is no brick.
-  [[nodiscard]] const std::array<Label, kPoints>& labels();
+  [[nodiscard]] const std::array<Label, kPoints>& labels() const { return labels_; }
 
   /// The labels of a cell of the brick, 0..7 in each axis, and then the shares.
-  void cell_labels(LocalPoint cell, CellSamples& samples);
+  void cell_labels(LocalPoint cell, CellSamples& samples) const;
   void cell_shares(LocalPoint cell, CellSamples& samples);
 
  private:
   const float* plane_of(Label label);
   void read_plane(Label label, float* plane) const;
 
-  const SampleLattice* lattice_ = nullptr;
-  BrickCoord coord_{};
-  bool labels_read_ = false;
   std::array<const Brick*, 8> bricks_{};
   std::array<Label, kPoints> labels_{};
   std::vector<Label> planes_of_;  ///< [#planes] labels whose shares were read so far

@@ -218,10 +218,13 @@ MeshSnapshot SurfaceExtractor::snapshot() const {
   return snapshot;
 }
 
+std::size_t SurfaceExtractor::chunks_rebuilt() const {
+  return state_->chunks_rebuilt;
+}
+
 SurfaceExtractor::Counters SurfaceExtractor::counters() const {
   Counters counters;
   counters.bricks_read = state_->bricks_read;
-  counters.chunks_rebuilt = state_->chunks_rebuilt;
   for (const auto& [coord, brick] : state_->bricks) {
     counters.leaves += brick.net.cells().simple_cells.size() + brick.net.cells().complex_cells.size();
     counters.complex_cells += brick.net.cells().complex_cells.size();

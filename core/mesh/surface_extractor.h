@@ -21,7 +21,6 @@ class SurfaceExtractor {
  public:
   struct Counters {
     std::size_t bricks_read = 0;          ///< by the last update(): bricks whose samples were looked at
-    std::size_t chunks_rebuilt = 0;       ///< by the last update()
     std::size_t leaves = 0;               ///< of the whole mesh: finest cells with more than one label
     std::size_t complex_cells = 0;        ///< of those, cells drawn by marching tetrahedra
     std::size_t fans = 0;                 ///< of the whole mesh: quads drawn as a fan of four, no diagonal being safe
@@ -48,6 +47,7 @@ class SurfaceExtractor {
   /// @cost O(chunks), no triangle is copied
   [[nodiscard]] MeshSnapshot snapshot() const;
 
+  [[nodiscard]] std::size_t chunks_rebuilt() const;  ///< by the last update()
   /// @cost O(chunks)
   [[nodiscard]] Counters counters() const;
 

@@ -228,6 +228,7 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, Fiel
 
   Change change;
   change.evaluated = sampler.evaluated();
+  change.edge_evaluations = sampler.edge_evaluations();
   change.field_ms = sampler.field_ms();
   change.octree_ms = ms_since(start) - change.field_ms;
   const auto smoothing = Clock::now();

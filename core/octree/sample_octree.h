@@ -22,9 +22,10 @@ class SampleOctree final : public SampleLattice {
  public:
   /// What one update() did.
   struct Change {
-    std::vector<BrickCoord> bricks;  ///< with a cell of which a corner's smoothed sample or a contour changed,
-                                     ///< appeared or vanished; ascending
-    std::size_t evaluated = 0;       ///< samples taken from the field, those in constant cells among them
+    std::vector<BrickCoord> bricks;    ///< with a cell of which a corner's smoothed sample or a contour changed,
+                                       ///< appeared or vanished; ascending
+    std::size_t evaluated = 0;         ///< samples taken from the field, those in constant cells among them
+    std::size_t edge_evaluations = 0;  ///< edges summed for them
     std::size_t smoothed_bricks = 0;
     double field_ms = 0, octree_ms = 0, smooth_ms = 0;
   };

@@ -97,8 +97,11 @@ Result<void> Sampler::evaluate() {
     count[group.packed] += group.count;
   }
   batch_.clear_points();
-  for (std::uint32_t packed = 0; packed < count.size(); ++packed)
-    if (count[packed] > 0 && !batch_.cells.constant(packed)) block[packed] = batch_.add_block(packed, count[packed]);
+  for (std::uint32_t packed = 0; packed < count.size(); ++packed) {
+    if (count[packed] == 0 || batch_.cells.constant(packed)) continue;
+    block[packed] = batch_.add_block(packed, count[packed]);
+    edge_evaluations_ += std::size_t{count[packed]} * batch_.cells.edge_count(packed);
+  }
   if (batch_.blocks.empty()) return {};
   parallel_for(groups_.size(), 64, threads_, [&](std::size_t first, std::size_t last) {
     for (std::size_t g = first; g < last; ++g) {

@@ -28,6 +28,8 @@ class Sampler {
                                                                      const std::vector<SampleJob>& jobs);
 
   [[nodiscard]] std::size_t evaluated() const { return evaluated_; }
+  /// Edges that were summed for the samples taken.
+  [[nodiscard]] std::size_t edge_evaluations() const { return edge_evaluations_; }
   [[nodiscard]] double field_ms() const { return field_ms_; }
 
  private:
@@ -71,7 +73,7 @@ class Sampler {
   std::vector<CellFace> faces_;
   std::vector<Located> located_;  ///< [#jobs]
   std::vector<Group> groups_;     ///< by job
-  std::size_t evaluated_ = 0;
+  std::size_t evaluated_ = 0, edge_evaluations_ = 0;
   double field_ms_ = 0;
 };
 

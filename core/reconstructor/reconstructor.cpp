@@ -127,13 +127,14 @@ Result<UpdateReport> Reconstructor::update(Detail detail) {
   if (!change) return tl::unexpected<Error>(change.error());
   UpdateReport report;
   report.samples_evaluated = change->evaluated;
+  report.edge_evaluations = change->edge_evaluations;
   report.bricks_smoothed = change->smoothed_bricks;
   report.field_ms = change->field_ms;
   report.octree_ms = change->octree_ms;
   report.smooth_ms = change->smooth_ms;
   const auto start = Clock::now();
   report.changed_chunks = level.surface.update(level.octree, change->bricks, state_->options.threads);
-  report.chunks_rebuilt = level.surface.counters().chunks_rebuilt;
+  report.chunks_rebuilt = level.surface.chunks_rebuilt();
   report.mesh_ms = ms_since(start);
   return report;
 }

@@ -32,7 +32,7 @@ struct ReconstructorOptions {
 
 /// What became of one slice.
 enum class SliceOutcome : std::uint8_t {
-  inserted,  ///< it cut cells
+  inserted,  ///< it cut cells, or none where it says what all around it says already (cells_cut == 0)
   merged,    ///< it lies in the plane of an earlier slice, or nearer to it than a quarter of the spacing: that one is
              ///< kept
 };
@@ -51,7 +51,7 @@ struct InsertReport {
 /// How finely the mesh is drawn.
 enum class Detail : std::uint8_t {
   full,    ///< at the spacing of the options
-  coarse,  ///< at twice that spacing, for about a quarter of the time: while slices come faster than full detail allows
+  coarse,  ///< at twice that spacing, a quarter of the samples: while slices come faster than full detail allows
 };
 
 /// What one update() did.
@@ -59,6 +59,7 @@ struct UpdateReport {
   std::vector<BrickCoord> changed_chunks;  ///< against the mesh of the same detail before: chunks that changed,
                                            ///< appeared or vanished; ascending
   std::size_t samples_evaluated = 0;
+  std::size_t edge_evaluations = 0;  ///< edges of cells summed for these samples
   std::size_t bricks_smoothed = 0;
   std::size_t chunks_rebuilt = 0;
   double field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;

@@ -1,6 +1,5 @@
 // What one recorded set costs: all slices at once, slice by slice, and the memory for both. A process measures one set,
 // so that no memory of another one counts.  bench_set <file.csl> <depth>
-#include "tests/bench/set/field_load.h"
 #include "tests/bench/support/reconstruction.h"
 
 namespace {
@@ -12,13 +11,14 @@ constexpr std::size_t kRuns = 5;
 constexpr int kThreads = 2;
 constexpr std::size_t kOnlineSlices = 15;  ///< fewer are no scan
 
-nlohmann::json batches(std::span<const TrackedSlice> slices, ReconstructorOptions options, nlohmann::json& counts) {
+nlohmann::json batches(std::span<const TrackedSlice> slices, ReconstructorOptions options, nlohmann::json& figures) {
   nlohmann::json runs;
   for (options.threads = 1; options.threads <= kThreads; ++options.threads) {
     const Batch batch = median_batch(slices, options, kRuns);
     runs.push_back(batch.times);
     runs.back()["threads"] = options.threads;
-    counts = batch.counts;
+    figures["counts"] = batch.counts;
+    figures["edge_evaluations"] = batch.edge_evaluations;
   }
   return runs;
 }
@@ -26,9 +26,12 @@ nlohmann::json batches(std::span<const TrackedSlice> slices, ReconstructorOption
 nlohmann::json online(std::span<const TrackedSlice> slices, ReconstructorOptions options, Detail detail) {
   if (slices.size() < kOnlineSlices) return nullptr;
   options.threads = kThreads;
-  const std::vector<double> all = run_online(slices, options, detail);
+  const std::vector<SliceCost> costs = run_online(slices, options, detail);
+  std::vector<double> all;
+  for (const SliceCost& cost : costs) all.push_back(cost.ms);
   const std::vector<double> last(all.begin() + static_cast<std::ptrdiff_t>(all.size() * 2 / 3), all.end());
   return {{"threads", kThreads},
+          {"slices", costs},
           {"p50_ms", quantile(all, 0.5)},
           {"p95_ms", quantile(all, 0.95)},
           {"last_third_p50_ms", quantile(last, 0.5)},
@@ -48,11 +51,10 @@ int main(int argc, char** argv) {
   const ReconstructorOptions options = or_exit(options_for(slices, depth));
 
   nlohmann::json figures{{"bench", "set"}, {"set", file.stem().string()}, {"depth", depth}, {"slices", slices.size()}};
-  figures["runs"] = batches(slices, options, figures["counts"]);
+  figures["runs"] = batches(slices, options, figures);
   figures["online"] = online(slices, options, Detail::full);
   figures["online_coarse"] = online(slices, options, Detail::coarse);
   figures["peak_memory_mib"] = peak_memory_mib();
-  figures["edge_evaluations"] = edge_evaluations(slices, options);
   char words[200];
   std::snprintf(words, sizeof words, "set %s, depth %d: %.1f ms with %d threads", file.stem().c_str(), depth,
                 figures["runs"].back()["total_ms"].get<double>(), kThreads);

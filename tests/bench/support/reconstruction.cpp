@@ -20,6 +20,7 @@ Batch run_batch(std::span<const TrackedSlice> slices, const ReconstructorOptions
   batch.times.smooth_ms = report.smooth_ms;
   batch.times.mesh_ms = report.mesh_ms;
   batch.counts = reconstructor.counts();
+  batch.edge_evaluations = report.edge_evaluations;
   return batch;
 }
 
@@ -40,17 +41,18 @@ Batch median_batch(std::span<const TrackedSlice> slices, const ReconstructorOpti
   return result;
 }
 
-std::vector<double> run_online(std::span<const TrackedSlice> slices, const ReconstructorOptions& options,
-                               Detail detail) {
+std::vector<SliceCost> run_online(std::span<const TrackedSlice> slices, const ReconstructorOptions& options,
+                                  Detail detail) {
   Reconstructor reconstructor = or_exit(Reconstructor::create(options));
-  std::vector<double> times_ms;
+  std::vector<SliceCost> costs;
   for (const TrackedSlice& slice : slices) {
     const auto start = Clock::now();
-    or_exit(reconstructor.add(slice));
-    or_exit(reconstructor.update(detail));
-    times_ms.push_back(ms_since(start));
+    const InsertReport inserted = or_exit(reconstructor.add(slice));
+    const UpdateReport updated = or_exit(reconstructor.update(detail));
+    costs.push_back({ms_since(start), inserted.cells_cut, updated.samples_evaluated, updated.bricks_smoothed,
+                     updated.chunks_rebuilt});
   }
-  return times_ms;
+  return costs;
 }
 
 }  // namespace sonoloft::bench

@@ -21,6 +21,7 @@ struct StageTimes {
 struct Batch {
   StageTimes times;
   ReconstructorCounts counts;
+  std::size_t edge_evaluations = 0;  ///< of the field
 };
 [[nodiscard]] Batch run_batch(std::span<const TrackedSlice> slices, const ReconstructorOptions& options);
 
@@ -28,10 +29,17 @@ struct Batch {
 [[nodiscard]] Batch median_batch(std::span<const TrackedSlice> slices, const ReconstructorOptions& options,
                                  std::size_t runs, double enough_ms = std::numeric_limits<double>::infinity());
 
-/// Slices one by one, the mesh brought up to date after each. @return [#slices] ms
-[[nodiscard]] std::vector<double> run_online(std::span<const TrackedSlice> slices, const ReconstructorOptions& options,
-                                             Detail detail);
+/// What one slice of a scan cost.
+struct SliceCost {
+  double ms = 0;
+  std::size_t cells_cut = 0, samples = 0, bricks_smoothed = 0, chunks_rebuilt = 0;
+};
 
+/// Slices one by one, the mesh brought up to date after each. @return [#slices]
+[[nodiscard]] std::vector<SliceCost> run_online(std::span<const TrackedSlice> slices,
+                                                const ReconstructorOptions& options, Detail detail);
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SliceCost, ms, cells_cut, samples, bricks_smoothed, chunks_rebuilt)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageTimes, total_ms, cells_ms, field_ms, octree_ms, smooth_ms, mesh_ms)
 
 }  // namespace sonoloft::bench

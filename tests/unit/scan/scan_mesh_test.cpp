@@ -146,6 +146,28 @@ TEST_CASE("scan: a mesh that is kept stays as it was, after all later ones and a
   for (std::size_t i = 0; i < copies.size(); ++i) CHECK(same_bytes(updates[i]->mesh.indexed(), copies[i]));
 }
 
+TEST_CASE("scan: a slice that shows what is known already is explained, and changes nothing") {
+  const auto change = [](std::uint32_t i, OwnedWireSlice& slice) {
+    if (i % 3 != 0) return;
+    slice.contours.clear();  // nothing but outside, far from the ball
+    slice.points.clear();
+    slice.slice.pose = ball_slice(0, kSlices).slice.pose;
+    slice.slice.pose.tz_mm = 40 + i;
+  };
+  device_sim::LoopbackDevice device(ball_device_options(), ball_source(kSlices, false, change));
+  ScanInbox inbox;
+  const auto scan = open_scan(device.port());
+  REQUIRE(scan->start(inbox.callbacks()));
+  REQUIRE(inbox.wait_for(ScanEventKind::end_of_data));
+  scan->stop();
+  CHECK(scan->counts().explained == 7);  // of ids 0, 3 ... 21 all but that at 61 mm, outside of the box
+  CHECK(scan->counts().refused == 1);
+  CHECK(scan->counts().inserted == kSlices - 8);
+  for (const auto& update : inbox.updates())
+    for (const SliceReport& slice : update->slices)
+      CHECK((slice.fate == SliceFate::inserted) == (slice.slice->slice.id % 3 != 0));
+}
+
 TEST_CASE("scan: slices without a sound pose and slices without sense are refused, with the reason") {
   const auto change = [](std::uint32_t i, OwnedWireSlice& slice) {
     if (i == 1) slice.slice.pose.status = protocol::PoseStatus::missing;

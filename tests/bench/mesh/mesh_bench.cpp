@@ -3,7 +3,7 @@
 
 #include "core/mesh/surface_extractor.h"
 #include "tests/bench/support/figures.h"
-#include "tests/support/synthetic_lattice.h"
+#include "tests/support/mesh/synthetic_lattice.h"
 
 namespace sonoloft::bench {
 namespace {

@@ -1,8 +1,8 @@
 // How good the live mesh of a recorded set is: the shape of its triangles, how near it keeps to the contours, and
 // whether it is closed, manifold and free of crossings.  bench_quality <file.csl> <depth>
 #include "tests/bench/support/reconstruction.h"
-#include "tests/support/contour_distance.h"
-#include "tests/support/mesh_check.h"
+#include "tests/support/mesh/contour_distance.h"
+#include "tests/support/mesh/mesh_check.h"
 
 namespace {
 

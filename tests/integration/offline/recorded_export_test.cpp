@@ -7,7 +7,7 @@
 
 #include "core/offline/delaunay_mesher.h"
 #include "core/reconstructor/reconstructor.h"
-#include "tests/support/mesh_check.h"
+#include "tests/support/mesh/mesh_check.h"
 #include "tests/support/recorded_slices.h"
 
 using namespace sonoloft;

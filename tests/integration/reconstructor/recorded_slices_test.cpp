@@ -9,9 +9,9 @@
 
 #include "core/reconstructor/reconstructor.h"
 #include "core/slice/section.h"
-#include "tests/support/contour_distance.h"
-#include "tests/support/mesh_check.h"
-#include "tests/support/mesh_labels.h"
+#include "tests/support/mesh/contour_distance.h"
+#include "tests/support/mesh/mesh_check.h"
+#include "tests/support/mesh/mesh_labels.h"
 
 using namespace sonoloft;
 

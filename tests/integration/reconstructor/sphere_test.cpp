@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "core/reconstructor/reconstructor.h"
-#include "tests/support/mesh_check.h"
+#include "tests/support/mesh/mesh_check.h"
 #include "tests/support/planes.h"
 
 using namespace sonoloft;

@@ -7,8 +7,8 @@
 
 #include "core/mesh/surface_extractor.h"
 #include "core/offline/delaunay_mesher.h"
-#include "tests/support/mesh_check.h"
-#include "tests/support/synthetic_lattice.h"
+#include "tests/support/mesh/mesh_check.h"
+#include "tests/support/mesh/synthetic_lattice.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

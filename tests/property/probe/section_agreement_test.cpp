@@ -6,8 +6,8 @@
 #include "device_sim/probe/phantoms/mesh_phantom.h"
 #include "device_sim/probe/phantoms/solid_phantom.h"
 #include "device_sim/probe/phantoms/volume_phantom.h"
+#include "tests/support/mesh/solid_meshes.h"
 #include "tests/support/phantom_section.h"
-#include "tests/support/solid_meshes.h"
 
 namespace test = sonoloft::test;
 using namespace sonoloft::device_sim;

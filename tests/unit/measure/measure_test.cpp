@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "tests/support/solid_meshes.h"
+#include "tests/support/mesh/solid_meshes.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

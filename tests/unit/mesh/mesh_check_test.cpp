@@ -1,4 +1,4 @@
-#include "tests/support/mesh_check.h"
+#include "tests/support/mesh/mesh_check.h"
 
 #include <doctest/doctest.h>
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "tests/support/mesh_check.h"
-#include "tests/support/synthetic_lattice.h"
+#include "tests/support/mesh/mesh_check.h"
+#include "tests/support/mesh/synthetic_lattice.h"
 
 namespace sonoloft::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "core/io/mesh_files.h"
-#include "tests/support/solid_meshes.h"
+#include "tests/support/mesh/solid_meshes.h"
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC

@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "tests/support/mesh/solid_meshes.h"
 #include "tests/support/phantom_section.h"
-#include "tests/support/solid_meshes.h"
 
 namespace test = sonoloft::test;
 using namespace sonoloft::device_sim;

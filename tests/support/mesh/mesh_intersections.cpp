@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tests/support/mesh_check.h"
+#include "tests/support/mesh/mesh_check.h"
 
 namespace sonoloft::test {
 namespace {

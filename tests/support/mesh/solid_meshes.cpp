@@ -1,4 +1,4 @@
-#include "tests/support/solid_meshes.h"
+#include "tests/support/mesh/solid_meshes.h"
 
 #include <algorithm>
 #include <cmath>

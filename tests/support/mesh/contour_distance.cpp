@@ -1,4 +1,4 @@
-#include "tests/support/contour_distance.h"
+#include "tests/support/mesh/contour_distance.h"
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>

@@ -1,4 +1,4 @@
-#include "tests/support/synthetic_lattice.h"
+#include "tests/support/mesh/synthetic_lattice.h"
 
 #include <algorithm>
 #include <cmath>

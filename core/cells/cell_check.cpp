@@ -76,6 +76,7 @@ std::string validate(const CellStore& store) {
   TwoSides walls(store);
   for (std::size_t c = 0; c < store.cells.size(); ++c) {
     const Polyhedron& shape = store.cells[c].shape;
+    if (shape.faces.empty()) continue;
     const std::string where = "cell " + std::to_string(c) + ": ";
     if (std::string wrong = validate(shape, store.planes, tolerance_mm); !wrong.empty()) return where + wrong;
     if (!found(store, c, tolerance_mm)) return where + "the tree does not lead to its centre";

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "core/cells/cell_store.h"
+#include "core/cells/slice_withdrawal.h"
 
 namespace sonoloft {
 
@@ -13,11 +15,33 @@ CellComplex::~CellComplex() = default;
 CellComplex::CellComplex(CellComplex&&) noexcept = default;
 CellComplex& CellComplex::operator=(CellComplex&&) noexcept = default;
 
-Result<CellComplex::Delta> CellComplex::insert(const Section& section) {
-  return store_->insert(section);
+Result<CellComplex::Delta> CellComplex::insert(Section section, const PartWidth& width) {
+  return store_->insert(std::move(section), width);
+}
+CellComplex::Withdrawal CellComplex::withdraw(SliceId slice) {
+  return sonoloft::withdraw(*store_, static_cast<std::uint32_t>(slice));
+}
+CellComplex::Delta CellComplex::insert_again(SliceId slice, const Withdrawal& where, const PartWidth& width) {
+  return sonoloft::insert_again(*store_, static_cast<std::uint32_t>(slice), where, width);
+}
+
+std::vector<SliceId> CellComplex::slices() const {
+  std::vector<SliceId> held;
+  for (std::uint32_t i = 0; i < store_->slices.size(); ++i)
+    if (!store_->slices[i].withdrawn) held.push_back(SliceId{i});
+  return held;
+}
+const Section& CellComplex::section(SliceId slice) const {
+  return store_->slices[static_cast<std::uint32_t>(slice)].section;
+}
+bool CellComplex::is_of(PlaneId plane, SliceId slice) const {
+  return store_->plane_slices[static_cast<std::uint32_t>(plane)] == static_cast<std::uint32_t>(slice);
 }
 
 std::size_t CellComplex::cell_count() const {
+  return store_->cells.size() - store_->removed_cells;
+}
+std::size_t CellComplex::cell_bound() const {
   return store_->cells.size();
 }
 std::size_t CellComplex::face_count() const {
@@ -69,7 +93,7 @@ void CellComplex::locate(const Eigen::AlignedBox3d& bounds, std::span<const Eige
   order.resize(points.size());
   std::iota(order.begin(), order.end(), 0u);
   groups.clear();
-  std::vector<Job> stack{{store_->root(), 0, static_cast<std::uint32_t>(points.size())}};
+  std::vector<Job> stack{{store_->root, 0, static_cast<std::uint32_t>(points.size())}};
   while (!stack.empty()) {
     Job job = stack.back();
     stack.pop_back();

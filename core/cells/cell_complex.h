@@ -2,6 +2,7 @@
 // Stage 1 of 5:  slice -> [CELLS] -> field -> octree -> mesh -> callback
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -14,7 +15,8 @@
 namespace sonoloft {
 
 enum class CellId : std::uint32_t {};   ///< dense, never reused
-enum class PlaneId : std::uint32_t {};  ///< 0..5 are the walls of the box, then the slices in the order of insertion
+enum class PlaneId : std::uint32_t {};  ///< 0..5 are the walls of the box, then slices that cut cells
+enum class SliceId : std::uint32_t {};  ///< 0, 1, ... in the order of insertion
 
 struct CellStore;
 
@@ -50,31 +52,68 @@ class CellComplex {
 
   /// What one insert() changed.
   struct Delta {
-    PlaneId plane{};
+    SliceId slice{};
+    PlaneId plane{};              ///< meaningless when no cell was cut
     std::vector<CellId> divided;  ///< cells of before that are now several, ascending: their field must be computed
                                   ///< again; each keeps its id for one of its parts
     std::vector<CellId> lower;    ///< [k] cells below the slice's walls
     std::vector<CellId> upper;    ///< [k] cells above them, all new; upper[i] was cut off lower[i]
     std::uint32_t reached = 0;    ///< cells that the known part of the slice reaches
+    std::uint32_t too_thin = 0;   ///< of those to be cut, left whole since a part would have been too thin
     Work work;
   };
 
-  /// @param min_gap_mm  a cell is cut only if both parts reach at least this far from the plane: near-coincident slices
-  ///                    merge into the first instead of leaving slivers; > 0
+  /// What withdraw() changed, and where the slices that stay must be inserted again.
+  struct Withdrawal {
+    /// A place in the tree of planes.
+    struct Region {
+      struct Step {
+        std::uint32_t plane;
+        std::uint8_t branch;
+      };
+      std::vector<Step> path;  ///< from the root
+      std::uint32_t parent;    ///< node under which the region hangs; meaningless when the path is empty
+      CellId restored;         ///< the cell that the slice had cut first, whole again
+    };
+    std::vector<CellId> removed;  ///< cells that are no more, ascending: their field must be computed again
+    std::vector<Region> regions;
+  };
+
+  /// @param min_gap_mm  a cell is cut only if both parts reach at least this far from the plane: of near-coincident
+  ///                    slices the first keeps the wall, no slivers; > 0
   CellComplex(const Eigen::AlignedBox3d& box, double min_gap_mm);
   ~CellComplex();
   CellComplex(CellComplex&&) noexcept;
   CellComplex& operator=(CellComplex&&) noexcept;
 
-  /// Cuts every cell that the known part of `section` reaches, except where all of a cell is of one label and the slice
-  /// says nothing else there: such a cell is cut once a later slice does, as if it had been cut at once.
+  /// How far both parts of a cell must reach from the plane that cuts it, mm: raised to min_gap_mm; infinity leaves the
+  /// cell whole.
+  using PartWidth = std::function<double(CellId)>;
+  static double anywhere(CellId) { return 0; }
+
+  /// Cuts cells that the known part of `section` reaches, where `width` lets it. Where all of a
+  /// cell is of one label and the slice says nothing else there, it is cut once a later slice does, as if it had been
+  /// cut at once.
   /// @post  cell_count() grew by upper.size(); views taken before are invalid
-  /// @error outside_box (no known part in the box), cell_limit, duplicate_plane (reached cells, but cut none):
-  ///        nothing has changed
+  /// @error outside_box (no known part in the box), cell_limit: nothing has changed
   /// @cost  O(tree nodes and cells crossed, contour edges in them); allocates
-  [[nodiscard]] Result<Delta> insert(const Section& section);
+  [[nodiscard]] Result<Delta> insert(Section section, const PartWidth& width = anywhere);
+
+  /// Makes whole again what a slice has cut, the cuts of later slices there included: call insert_again() for every
+  /// slice held, in their order.
+  /// @pre  the slice is held
+  /// @cost O(tree nodes + cells removed, + per region the length of its path squared times the edges of slices there)
+  [[nodiscard]] Withdrawal withdraw(SliceId slice);
+  /// The same as insert() for a slice that is held, within the regions of a withdrawal.
+  [[nodiscard]] Delta insert_again(SliceId slice, const Withdrawal& where, const PartWidth& width = anywhere);
+
+  /// The slices inserted and not withdrawn, those that cut nothing among them, ascending.
+  [[nodiscard]] std::vector<SliceId> slices() const;
+  [[nodiscard]] const Section& section(SliceId slice) const;  ///< valid until the next insert()
+  [[nodiscard]] bool is_of(PlaneId plane, SliceId slice) const;
 
   [[nodiscard]] std::size_t cell_count() const;
+  [[nodiscard]] std::size_t cell_bound() const;  ///< ids are below this; those of cells that are no more among them
   [[nodiscard]] std::size_t face_count() const;  ///< a wall between two cells counts once
   [[nodiscard]] std::size_t edge_count() const;  ///< label borders and outline pieces on all faces: what the field sums
   [[nodiscard]] const Eigen::AlignedBox3d& box() const;

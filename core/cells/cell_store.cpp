@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -54,19 +55,21 @@ CellStore::CellStore(const Eigen::AlignedBox3d& box_mm, double gap_mm) : box(box
   for (std::uint32_t wall = 0; wall < kBoxWalls; ++wall) {
     frames.push_back(wall_frame(box, wall));
     planes.push_back(plane_of(frames.back()));
+    plane_slices.push_back(kNone);
   }
   Cell cell{};
   cell.shape = make_box(planes, scale);
-  for (PolyFace& face : cell.shape.faces) {
-    Eigen::AlignedBox2d extent;
-    for (std::uint32_t i = 0; i < face.count; ++i) {
-      const Eigen::Vector3d& corner = cell.shape.vertices[cell.shape.loops[face.first + i]].position;
-      extent.extend((frames[face.plane].inverse() * corner).head<2>());
-    }
-    face.polygon = add_wall(rectangle(extent, kOutside), 1);
-  }
+  for (PolyFace& face : cell.shape.faces) face.polygon = add_wall(box_wall(face.plane), 1);
   cell.label = kOutside;
   cells.push_back(std::move(cell));
+}
+
+FacePolygon CellStore::box_wall(std::uint32_t wall) const {
+  const Eigen::Isometry3d reference_to_image = frames[wall].inverse();
+  Eigen::AlignedBox2d extent;
+  for (int i = 0; i < 8; ++i)
+    extent.extend((reference_to_image * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i))).head<2>());
+  return rectangle(extent, kOutside);
 }
 
 std::uint32_t CellStore::add_wall(FacePolygon polygon, std::uint32_t users) {
@@ -115,7 +118,7 @@ bool CellStore::line_on(std::uint32_t plane, const Eigen::Isometry3d& frame, Ima
 }
 
 CellId CellStore::locate(const Eigen::Vector3d& point_mm) const {
-  std::int32_t node = root();
+  std::int32_t node = root;
   while (node >= 0) {
     const TreeNode& n = nodes[static_cast<std::size_t>(node)];
     node = n.child[planes[n.plane].distance(point_mm) >= 0.0 ? 1 : 0];
@@ -123,37 +126,49 @@ CellId CellStore::locate(const Eigen::Vector3d& point_mm) const {
   return CellId{static_cast<std::uint32_t>(~node)};
 }
 
-Result<CellComplex::Delta> CellStore::insert(const Section& section) {
+Result<CellComplex::Delta> CellStore::insert(Section section, const CellComplex::PartWidth& width) {
   CellComplex::Delta delta;
-  std::vector<Arrival> reached = walk(*this, section, delta.work);
+  std::vector<Fragment> all;
+  all.push_back({root, whole_section(*this, section)});
+  std::vector<Arrival> reached = walk(*this, section.image_to_reference, std::move(all), delta.work);
   if (reached.empty())
     return fail(ErrorCode::outside_box,
                 "the slice does not reach the box of the scan: widen the box or check the pose");
-  delta.plane = PlaneId{static_cast<std::uint32_t>(planes.size())};
-  delta.reached = static_cast<std::uint32_t>(reached.size());
-  const Plane plane = plane_of(section.image_to_reference);
-
-  const bool cuts = std::any_of(reached.begin(), reached.end(), [&](const Arrival& arrival) {
-    return !sides(*this, cells[static_cast<std::uint32_t>(arrival.cell)].shape, plane).empty();
-  });
-  if (!cuts)
-    return fail(ErrorCode::duplicate_plane,
-                "the slice lies in the plane of an earlier one, which is kept: nothing to do");
   if (cells.size() >= kMaxCells)
     return fail(ErrorCode::cell_limit, "the scan has reached " + std::to_string(kMaxCells) +
                                            " cells: start a new scan, or use a narrower field of view");
+  slices.push_back({std::move(section)});
+  cut(static_cast<std::uint32_t>(slices.size() - 1), std::move(reached), width, delta);
+  return delta;
+}
 
-  planes.push_back(plane);
-  frames.push_back(section.image_to_reference);
-  SliceCut cut(*this, static_cast<std::uint32_t>(delta.plane), delta);
+void CellStore::cut(std::uint32_t slice, std::vector<Arrival> reached, const CellComplex::PartWidth& width,
+                    CellComplex::Delta& delta) {
+  HeldSlice& held = slices[slice];
+  const bool known_plane = held.plane != kNone;
+  if (!known_plane) {
+    held.plane = static_cast<std::uint32_t>(planes.size());
+    planes.push_back(plane_of(held.section.image_to_reference));
+    frames.push_back(held.section.image_to_reference);
+    plane_slices.push_back(slice);
+  }
+  delta.slice = SliceId{slice};
+  delta.plane = PlaneId{held.plane};
+  delta.reached = static_cast<std::uint32_t>(reached.size());
+  SliceCut cut(*this, held.plane, delta);
   for (Arrival& arrival : reached) {
     const std::size_t before = cells.size();
     const CellId cell = arrival.cell;
-    cut.cut(std::move(arrival));
+    const double width_mm = width(cell);
+    if (width_mm < std::numeric_limits<double>::infinity()) cut.cut(std::move(arrival), std::max(width_mm, min_gap_mm));
     if (cells.size() > before) delta.divided.push_back(cell);
   }
   recycle_walls();
-  return delta;
+  if (known_plane || cut.used_plane()) return;
+  held.plane = kNone;
+  planes.pop_back();
+  frames.pop_back();
+  plane_slices.pop_back();
 }
 
 }  // namespace sonoloft

@@ -20,18 +20,18 @@ FacePolygon outline(const Polyhedron& shape, const PolyFace& face, const Eigen::
 
 }  // namespace
 
-bool is_wide_enough(const CellStore& store, const Polyhedron& shape, const Plane& plane) {
+bool is_wide_enough(const Polyhedron& shape, const Plane& plane, double width_mm) {
   double lowest = 0.0;
   double highest = 0.0;
   for (const PolyVertex& v : shape.vertices) {
     lowest = std::min(lowest, plane.distance(v.position));
     highest = std::max(highest, plane.distance(v.position));
   }
-  return lowest <= -store.min_gap_mm && highest >= store.min_gap_mm;
+  return lowest <= -width_mm && highest >= width_mm;
 }
 
 std::vector<std::int8_t> sides(const CellStore& store, const Polyhedron& shape, const Plane& plane) {
-  if (!is_wide_enough(store, shape, plane)) return {};
+  if (!is_wide_enough(shape, plane, store.min_gap_mm)) return {};
   std::vector<std::int8_t> side;
   side.reserve(shape.vertices.size());
   for (const PolyVertex& v : shape.vertices)
@@ -40,6 +40,16 @@ std::vector<std::int8_t> sides(const CellStore& store, const Polyhedron& shape, 
   const auto occurs = [&](int sign) { return std::find(side.begin(), side.end(), sign) != side.end(); };
   if (!occurs(-1) || !occurs(1)) return {};
   return side;
+}
+
+bool is_crossed(const Polyhedron& shape, const PolyFace& face, std::span<const std::int8_t> side) {
+  bool below = false;
+  bool above = false;
+  for (std::uint32_t i = 0; i < face.count; ++i) {
+    below |= side[shape.loops[face.first + i]] < 0;
+    above |= side[shape.loops[face.first + i]] > 0;
+  }
+  return below && above;
 }
 
 CellId PlaneCut::cut(CellId cell, FacePolygon polygon, std::span<const std::int8_t> side) {
@@ -74,7 +84,7 @@ CellId PlaneCut::cut_in_two(CellId id, std::span<const std::int8_t> side, const 
   for (Cell& cell : parts) cell.label = store_.label_of(cell.shape);
 
   store_.nodes.push_back({plane_, {~static_cast<std::int32_t>(lower_id), ~static_cast<std::int32_t>(upper_id)}});
-  if (node > 0) store_.nodes[whole.node].child[whole.branch] = node;
+  store_.child(whole.node, whole.branch) = node;
   store_.cells[lower_id] = std::move(parts[0]);
   store_.cells.push_back(std::move(parts[1]));
   return CellId{upper_id};
@@ -83,13 +93,7 @@ CellId PlaneCut::cut_in_two(CellId id, std::span<const std::int8_t> side, const 
 /// The labelled faces that the cut crosses, each once for both cells at the wall.
 void PlaneCut::split_walls(const Polyhedron& shape, std::span<const std::int8_t> side) {
   for (const PolyFace& face : shape.faces) {
-    bool below = false;
-    bool above = false;
-    for (std::uint32_t i = 0; i < face.count; ++i) {
-      below |= side[shape.loops[face.first + i]] < 0;
-      above |= side[shape.loops[face.first + i]] > 0;
-    }
-    if (!below || !above || halves_.contains(face.polygon)) continue;
+    if (!is_crossed(shape, face, side) || halves_.contains(face.polygon)) continue;
     const FacePolygon& polygon = store_.walls[face.polygon].polygon;
     ++work_.faces_cut;
     work_.edges_clipped += static_cast<std::uint32_t>(polygon.size());

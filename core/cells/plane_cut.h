@@ -9,12 +9,15 @@
 
 namespace sonoloft {
 
-/// Whether both parts of a cell would reach at least store.min_gap_mm from the plane.
-[[nodiscard]] bool is_wide_enough(const CellStore& store, const Polyhedron& shape, const Plane& plane);
+/// Whether both parts of a cell would reach at least width_mm from the plane.
+[[nodiscard]] bool is_wide_enough(const Polyhedron& shape, const Plane& plane, double width_mm);
 
 /// [#vertices] on which side (-1, 0, +1) of `plane` each vertex lies, exactly; empty when the cell is not to be cut
-/// there: it is not wide enough.
+/// there: a part would not reach store.min_gap_mm from it.
 [[nodiscard]] std::vector<std::int8_t> sides(const CellStore& store, const Polyhedron& shape, const Plane& plane);
+
+/// Whether a face has vertices on both sides. @param side  see sides()
+[[nodiscard]] bool is_crossed(const Polyhedron& shape, const PolyFace& face, std::span<const std::int8_t> side);
 
 /// Cuts cells with one plane, one after the other; a wall between two cells that are both cut is split once.
 class PlaneCut {

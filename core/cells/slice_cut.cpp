@@ -4,7 +4,7 @@
 
 namespace sonoloft {
 
-void SliceCut::cut(Arrival first) {
+void SliceCut::cut(Arrival first, double width_mm) {
   std::vector<Arrival> left;
   left.push_back(std::move(first));
   while (!left.empty()) {
@@ -12,7 +12,11 @@ void SliceCut::cut(Arrival first) {
     left.pop_back();
     if (!has_known_part(arrival.polygon)) continue;
     Cell& cell = store_.cells[static_cast<std::uint32_t>(arrival.cell)];
-    if (!is_wide_enough(store_, cell.shape, store_.planes[plane_])) continue;
+    if (!is_wide_enough(cell.shape, store_.planes[plane_], width_mm)) {
+      ++delta_.too_thin;
+      continue;
+    }
+    used_ = true;
     if (cell.label != kBeyondFace && uniform_label(arrival.polygon) == cell.label)
       cell.remembered.push_back(plane_);
     else if (cell.remembered.empty())
@@ -47,7 +51,7 @@ void SliceCut::cut_by_remembered(Arrival arrival, std::vector<Arrival>& left) {
   for (const std::size_t upper : {std::size_t{0}, std::size_t{1}}) {
     Cell& part = store_.cells[static_cast<std::uint32_t>(parts[upper])];
     for (const std::uint32_t p : rest)
-      if (is_wide_enough(store_, part.shape, store_.planes[p])) part.remembered.push_back(p);
+      if (is_wide_enough(part.shape, store_.planes[p], store_.min_gap_mm)) part.remembered.push_back(p);
     left.push_back({parts[upper], std::move(polygons[upper])});
   }
 }

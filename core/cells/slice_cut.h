@@ -19,7 +19,10 @@ class SliceCut {
   SliceCut(CellStore& store, std::uint32_t plane, CellComplex::Delta& delta)
       : store_(store), plane_(plane), delta_(delta) {}
 
-  void cut(Arrival arrival);
+  /// @param width_mm  how far both parts must reach from the plane
+  void cut(Arrival arrival, double width_mm);
+  /// Whether a cell was cut or remembers the plane.
+  [[nodiscard]] bool used_plane() const { return used_; }
 
  private:
   void cut_by_slice(Arrival arrival);
@@ -30,6 +33,7 @@ class SliceCut {
   std::uint32_t plane_;
   CellComplex::Delta& delta_;
   std::map<std::uint32_t, PlaneCut> cuts_;  ///< [plane] a wall between two cells is split once for both
+  bool used_ = false;
 };
 
 }  // namespace sonoloft

@@ -4,15 +4,7 @@
 #include <utility>
 
 namespace sonoloft {
-namespace {
 
-/// A part of a slice on its way down the tree.
-struct Fragment {
-  std::int32_t node;
-  FacePolygon polygon;
-};
-
-/// The section as one labelled polygon that fills the box's cross-section.
 FacePolygon whole_section(const CellStore& store, const Section& section) {
   const Eigen::Isometry3d reference_to_image = section.image_to_reference.inverse();
   Eigen::AlignedBox2d extent;
@@ -33,8 +25,6 @@ FacePolygon whole_section(const CellStore& store, const Section& section) {
   }
   return polygon;
 }
-
-}  // namespace
 
 bool has_known_part(const FacePolygon& polygon) {
   return std::any_of(polygon.begin(), polygon.end(), [](const FaceEdge& e) {
@@ -62,10 +52,9 @@ std::array<FacePolygon, 2> parts_at(const CellStore& store, std::uint32_t plane,
   return parts;
 }
 
-std::vector<Arrival> walk(const CellStore& store, const Section& section, CellComplex::Work& work) {
+std::vector<Arrival> walk(const CellStore& store, const Eigen::Isometry3d& frame, std::vector<Fragment> stack,
+                          CellComplex::Work& work) {
   std::vector<Arrival> reached;
-  std::vector<Fragment> stack;
-  stack.push_back({store.root(), whole_section(store, section)});
   while (!stack.empty()) {
     Fragment fragment = std::move(stack.back());
     stack.pop_back();
@@ -76,7 +65,7 @@ std::vector<Arrival> walk(const CellStore& store, const Section& section, CellCo
     }
     ++work.nodes_visited;
     const TreeNode& node = store.nodes[static_cast<std::size_t>(fragment.node)];
-    auto parts = parts_at(store, node.plane, section.image_to_reference, std::move(fragment.polygon), work);
+    auto parts = parts_at(store, node.plane, frame, std::move(fragment.polygon), work);
     for (const std::size_t upper : {std::size_t{0}, std::size_t{1}})
       if (!parts[upper].empty()) stack.push_back({node.child[upper], std::move(parts[upper])});
   }

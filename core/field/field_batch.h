@@ -44,8 +44,7 @@ struct FieldBatch {
   }
 
   /// After evaluate(): what the points of a block have of label cells.labels(cell)[slot]; [#points of the block].
-  /// In [0, 1] up to rounding. The rows of the known labels sum to 1; the row of kUnknown says how much of that was not
-  /// measured but filled in.
+  /// In [0, 1] up to rounding, all of them together 1. The row of kUnknown says how much was not measured.
   [[nodiscard]] std::span<const float> row(std::uint32_t block, std::uint32_t slot) const {
     const FieldBlock& b = blocks[block];
     return {share.data() + b.first_share + std::size_t{slot} * b.stride, b.count};

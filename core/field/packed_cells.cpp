@@ -58,7 +58,7 @@ std::uint32_t PackedCells::edge_count(std::uint32_t cell) const {
   return count;
 }
 
-/// Appends the slots of a cell to labels_. What nobody measured becomes outside, so unknown brings outside with it.
+/// Appends the slots of a cell to labels_. A cell with nothing but slivers for faces is unknown.
 void PackedCells::collect_labels(std::span<const CellFace> faces) {
   const auto first = static_cast<std::ptrdiff_t>(labels_.size());
   const auto note = [&](Label label) {
@@ -72,11 +72,7 @@ void PackedCells::collect_labels(std::span<const CellFace> faces) {
       note(edge.right);
     }
   }
-  const bool nothing_known = static_cast<std::ptrdiff_t>(labels_.size()) == first;
-  if (nothing_known || labels_.back() == kUnknown) note(kOutside);
-  const bool only_outside_known = static_cast<std::ptrdiff_t>(labels_.size()) == first + 2 &&
-                                  labels_[static_cast<std::size_t>(first)] == kOutside && labels_.back() == kUnknown;
-  if (only_outside_known) labels_.pop_back();
+  if (static_cast<std::ptrdiff_t>(labels_.size()) == first) note(kUnknown);
 }
 
 void PackedCells::add_face(const CellFace& face, const Eigen::Vector3d& centre_mm, double unit_mm,

@@ -17,14 +17,14 @@ class PackedCells {
  public:
   void clear();
 
-  /// Appends a cell. A cell is constant when all of it is one known label, or nothing of it is known but outside.
+  /// Appends a cell. A cell is constant when all of its walls are of one label, kUnknown among these.
   /// @param centre_mm  CellComplex::centre(), reference frame
   /// @return the cell's index here, 0, 1, ...
   /// @cost   O(#edges log #edges); allocates only when the buffers grow
   std::uint32_t add(std::span<const CellFace> faces, const Eigen::Vector3d& centre_mm);
 
   [[nodiscard]] std::size_t size() const { return cells_.size(); }
-  /// The label of each slot: ascending; of a cell with unknown parts the first is kOutside and the last kUnknown.
+  /// The label of each slot, ascending: the last is kUnknown where a wall has unknown parts.
   [[nodiscard]] std::span<const Label> labels(std::uint32_t cell) const {
     return {labels_.data() + cells_[cell].first_label, cells_[cell].slot_count};
   }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/cells/cell_complex.h"
 #include "core/slice/label.h"
 
 namespace sonoloft {
@@ -50,6 +51,7 @@ struct Brick {
 struct ContourPiece {
   Eigen::Vector3f a, b;     ///< lattice steps from the brick's first sample, 0..8
   Label lower, upper;       ///< the labels beside it, lower < upper
+  SliceId slice;            ///< that shows it
   bool a_is_end, b_is_end;  ///< not only of this piece, but of an edge of the contour
 };
 
@@ -61,7 +63,7 @@ class SampleLattice {
   virtual ~SampleLattice() = default;
   /// The brick, or null when none of its samples was taken. Valid until the next update. O(1)
   [[nodiscard]] virtual const Brick* find(BrickCoord coord) const = 0;
-  /// The contours in the cells of a brick, the older slice's first. Valid until the next update. O(1)
+  /// The contours in the cells of a brick, ascending by slice. Valid until the next update. O(1)
   [[nodiscard]] virtual std::span<const ContourPiece> contours(BrickCoord coord) const = 0;
   [[nodiscard]] virtual Eigen::Vector3d origin_mm() const = 0;  ///< lattice point (0,0,0), reference frame
   [[nodiscard]] virtual double spacing_mm() const = 0;

@@ -44,6 +44,13 @@ std::uint32_t BrickPool::find_or_add(BrickCoord coord) {
   return index;
 }
 
+std::vector<std::uint32_t> BrickPool::indices() const {
+  std::vector<std::uint32_t> all;
+  for (const auto& [coord, index] : index_) all.push_back(index);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
 void BrickPool::name_to_neighbours(const WorkBrick& brick, std::uint32_t name) {
   for (std::size_t i = 0; i < 27; ++i)  // seen from there it lies on the opposite side
     if (const std::uint32_t there = brick.around[i]; there != kNoBrick) bricks_[there]->around[26 - i] = name;

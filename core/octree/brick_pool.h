@@ -33,7 +33,8 @@ constexpr std::size_t beside(int x, int y, int z) {
 struct WorkBrick {
   BrickCoord coord{};
   std::array<std::uint32_t, 27> around;       ///< [beside()] index of the brick there, kNoBrick; its own in the middle
-  std::uint8_t seeds = 0;                     ///< octants that a contour runs through
+  std::uint8_t contour_seeds = 0;             ///< octants that a contour runs through
+  std::uint8_t background_seeds = 0;          ///< octants that a surface of the background runs through
   std::uint8_t active = 0;                    ///< octants whose corners are sampled
   std::array<std::uint8_t, 8> mixed_faces{};  ///< [octant] see mixed_faces()
   SampleMask sampled;
@@ -41,8 +42,11 @@ struct WorkBrick {
   std::array<std::uint32_t, kBrickSamples> cell;  ///< the convex cell of a sample, kNoCell
   std::array<Label, kBrickSamples> label;         ///< as sampled; kNotSampled
   ShareTable shares;                              ///< as sampled
+  std::vector<float> unmeasured;                  ///< [kBrickSamples] share that the background filled; empty: none
   std::vector<ContourPiece> contours;             ///< in its cells
   Brick smooth;                                   ///< what the mesh sees
+
+  [[nodiscard]] std::uint8_t seeds() const { return static_cast<std::uint8_t>(contour_seeds | background_seeds); }
 };
 
 /// The bricks by coordinate and by index. Indices of removed bricks are used again.
@@ -64,6 +68,8 @@ class BrickPool {
   [[nodiscard]] WorkBrick& operator[](std::uint32_t brick) { return *bricks_[brick]; }
   [[nodiscard]] const WorkBrick& operator[](std::uint32_t brick) const { return *bricks_[brick]; }
   [[nodiscard]] std::size_t capacity() const { return bricks_.size(); }  ///< indices are below this
+  /// Of all bricks, ascending.
+  [[nodiscard]] std::vector<std::uint32_t> indices() const;
   [[nodiscard]] std::size_t size() const { return index_.size(); }
 
  private:

@@ -88,15 +88,15 @@ void OctantGrowth::follow(const std::vector<std::uint32_t>& resampled, int threa
   for (const Octant octant : behind) activate(octant);
 }
 
-/// The active octants that mixed faces join to `start`, as far as the nearest contour.
-std::vector<Octant> OctantGrowth::chain(Octant start, bool& reaches_contour) const {
+/// The active octants that mixed faces join to `start`, as far as the nearest seed.
+std::vector<Octant> OctantGrowth::chain(Octant start, bool& reaches_seed) const {
   std::vector<Octant> found{start};
   std::unordered_set<Octant, OctantHash> visited{start};
-  reaches_contour = false;
-  for (std::size_t n = 0; n < found.size() && !reaches_contour; ++n) {
+  reaches_seed = false;
+  for (std::size_t n = 0; n < found.size() && !reaches_seed; ++n) {
     const Octant octant = found[n];
     const WorkBrick& brick = bricks_[bricks_.find(octant.brick())];
-    reaches_contour = (brick.seeds & octant.bit()) != 0 || joined_.contains(octant);
+    reaches_seed = (brick.seeds() & octant.bit()) != 0 || joined_.contains(octant);
     for (int face = 0; face < 6; ++face)
       if ((brick.mixed_faces[static_cast<std::size_t>(octant.index())] >> face & 1) != 0 &&
           visited.insert(octant.neighbour(face)).second)
@@ -110,12 +110,12 @@ void OctantGrowth::prune() {
   for (const std::uint32_t index : faces_changed_.items())
     for (int i = 0; i < 8; ++i) {
       const Octant start = Octant::of(bricks_[index].coord, i);
-      if ((bricks_[index].active & start.bit()) == 0 || (bricks_[index].seeds & start.bit()) != 0 ||
+      if ((bricks_[index].active & start.bit()) == 0 || (bricks_[index].seeds() & start.bit()) != 0 ||
           joined_.contains(start))
         continue;
-      bool reaches_contour = false;
-      const std::vector<Octant> found = chain(start, reaches_contour);
-      if (reaches_contour) {
+      bool reaches_seed = false;
+      const std::vector<Octant> found = chain(start, reaches_seed);
+      if (reaches_seed) {
         joined_.insert(found.begin(), found.end());
         continue;
       }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <tuple>
 
+#include "core/octree/background_news.h"
 #include "core/octree/brick_pool.h"
 #include "core/octree/grid_walk.h"
 #include "core/octree/index_set.h"
@@ -18,11 +20,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-/// What is seen of a label in space: what was not measured counts as outside.
-Label seen(Label label) {
-  return label == kUnknown ? kOutside : label;
 }
 
 /// Samples that were taken anew or forgotten.
@@ -44,8 +41,12 @@ class TouchedSamples {
 }  // namespace
 
 struct SampleOctree::State {
+  State(const Eigen::Vector3d& origin, double spacing)
+      : origin_mm(origin), spacing_mm(spacing), background(origin, spacing) {}
+
   Eigen::Vector3d origin_mm;
-  double spacing_mm = 0;
+  double spacing_mm;
+  BackgroundNews background;
   BrickPool bricks;
   std::vector<std::vector<std::uint32_t>> bricks_of_cell;  ///< [cell] bricks that may have samples in it
   std::size_t samples = 0;
@@ -53,27 +54,33 @@ struct SampleOctree::State {
   struct Contour {
     Eigen::Vector3d a, b;  ///< reference, mm
     Label lower, upper;
+    SliceId slice;
   };
   std::vector<Contour> new_contours;  ///< noted since the last update
+  IndexSet contoured;                 ///< bricks of which contours came or went since the last update
+  std::vector<Octant> unseeded;       ///< octants through which no contour runs any more, as it seems
 
+  void seed_background(OctantGrowth& growth);
   /// Hands the pieces of a contour to the bricks that it runs through, and switches on the octants.
-  void trace(const Contour& contour, OctantGrowth& growth, IndexSet& contoured);
+  void trace(const Contour& contour, OctantGrowth& growth);
+  /// Forgets the contours of which the middle and the slice are taken.
+  template <class Taken>
+  void forget_contours(const Taken& taken);
+  /// Ascending by slice; those of one slice in an order that tells nothing of how they came.
+  void sort_contours();
   [[nodiscard]] std::vector<SampleJob> stale_jobs();
   void add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs, int threads) const;
   void drop_unneeded(OctantGrowth& growth, TouchedSamples& touched);
-  [[nodiscard]] std::vector<BrickCoord> smooth(const TouchedSamples& touched, const IndexSet& contoured, int threads,
-                                               std::size_t& smoothed);
+  [[nodiscard]] std::vector<BrickCoord> smooth(const TouchedSamples& touched, int threads, std::size_t& smoothed);
 };
 
-SampleOctree::SampleOctree(const Eigen::Vector3d& origin_mm, double spacing_mm) : state_(std::make_unique<State>()) {
-  state_->origin_mm = origin_mm;
-  state_->spacing_mm = spacing_mm;
-}
+SampleOctree::SampleOctree(const Eigen::Vector3d& origin_mm, double spacing_mm)
+    : state_(std::make_unique<State>(origin_mm, spacing_mm)) {}
 SampleOctree::~SampleOctree() = default;
 SampleOctree::SampleOctree(SampleOctree&&) noexcept = default;
 SampleOctree& SampleOctree::operator=(SampleOctree&&) noexcept = default;
 
-void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth, IndexSet& contoured) {
+void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth) {
   const Eigen::Vector3d a = (contour.a - origin_mm) / spacing_mm, b = (contour.b - origin_mm) / spacing_mm;
   walk_grid(a / kOctantCells, b / kOctantCells, [&](double from, double to) {
     const Eigen::Vector3d p = a + from * (b - a), q = a + to * (b - a);
@@ -83,9 +90,9 @@ void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth, In
     WorkBrick& brick = bricks[index];
     const Eigen::Vector3d base =
         Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z).cast<double>() * kBrickSize;
-    brick.contours.push_back(
-        {(p - base).cast<float>(), (q - base).cast<float>(), contour.lower, contour.upper, from == 0.0, to == 1.0});
-    brick.seeds |= octant.bit();
+    brick.contours.push_back({(p - base).cast<float>(), (q - base).cast<float>(), contour.lower, contour.upper,
+                              contour.slice, from == 0.0, to == 1.0});
+    brick.contour_seeds |= octant.bit();
     growth.activate(octant);
     contoured.add(index);
   });
@@ -102,18 +109,91 @@ void SampleOctree::note(const CellComplex& cells, const CellComplex::Delta& delt
         return *face.image_to_reference * Eigen::Vector3d(p.x(), p.y(), 0.0);
       };
       for (const FaceEdge& e : *face.polygon) {
-        if (e.right == kBeyondFace || seen(e.left) == seen(e.right)) continue;
-        const auto [lower, upper] = std::minmax({seen(e.left), seen(e.right)});
-        state_->new_contours.push_back({lift(e.a), lift(e.b), lower, upper});
+        if (e.right == kBeyondFace || e.left == kUnknown || e.right == kUnknown) continue;
+        const auto [lower, upper] = std::minmax({e.left, e.right});
+        state_->new_contours.push_back({lift(e.a), lift(e.b), lower, upper, delta.slice});
       }
     }
   }
 }
 
-/// Samples whose cell was cut since they were taken.
+template <class Taken>
+void SampleOctree::State::forget_contours(const Taken& taken) {
+  std::erase_if(new_contours, [&](const Contour& c) { return taken(0.5 * (c.a + c.b), c.slice); });
+  for (const std::uint32_t index : bricks.indices()) {
+    WorkBrick& brick = bricks[index];
+    const Eigen::Vector3d base =
+        Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z).cast<double>() * kBrickSize;
+    const auto middle = [&](const ContourPiece& piece) -> Eigen::Vector3d {
+      return base + 0.5 * (piece.a + piece.b).cast<double>();
+    };
+    const std::size_t gone = std::erase_if(brick.contours, [&](const ContourPiece& piece) {
+      return taken(origin_mm + spacing_mm * middle(piece), piece.slice);
+    });
+    if (gone == 0) continue;
+    contoured.add(index);
+    for (int i = 0; i < 8; ++i)
+      if ((brick.contour_seeds >> i & 1) != 0) unseeded.push_back(Octant::of(brick.coord, i));
+    brick.contour_seeds = 0;
+    for (const ContourPiece& piece : brick.contours) {
+      const Eigen::Vector3d p = middle(piece) / kOctantCells;
+      const Eigen::Vector3i at = p.array().floor().cast<int>();
+      brick.contour_seeds |= Octant{at.x(), at.y(), at.z()}.bit();
+    }
+  }
+}
+
+void SampleOctree::note(const CellComplex& cells, const CellComplex::Withdrawal& withdrawal) {
+  for (const CellId cell : withdrawal.removed) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
+  std::vector<CellFace> faces;
+  for (const CellComplex::Withdrawal::Region& region : withdrawal.regions) {
+    cells.faces(region.restored, faces);
+    // Slices that bound the region are not inserted there again.
+    state_->forget_contours([&](const Eigen::Vector3d& p, SliceId slice) {
+      return std::all_of(faces.begin(), faces.end(), [&](const CellFace& face) {
+        const double z = (face.image_to_reference->inverse() * p).z();
+        return (face.above ? z : -z) > 0.0 && !cells.is_of(face.plane, slice);
+      });
+    });
+  }
+}
+
+void SampleOctree::note(const Background& background, std::span<const BackgroundChange> changes) {
+  state_->background.add(background, changes);
+}
+
+void SampleOctree::State::sort_contours() {
+  const auto key = [](const ContourPiece& c) {
+    return std::tuple(c.slice, c.a.x(), c.a.y(), c.a.z(), c.b.x(), c.b.y(), c.b.z(), c.lower, c.upper);
+  };
+  for (const std::uint32_t index : contoured.items())
+    std::sort(bricks[index].contours.begin(), bricks[index].contours.end(),
+              [&](const ContourPiece& l, const ContourPiece& r) { return key(l) < key(r); });
+}
+
+void SampleOctree::State::seed_background(OctantGrowth& growth) {
+  for (const Octant& octant : background.octants()) {
+    if (background.seeds(octant)) {
+      bricks[bricks.find_or_add(octant.brick())].background_seeds |= octant.bit();
+      growth.activate(octant);
+    } else if (const std::uint32_t index = bricks.find(octant.brick()); index != kNoBrick) {
+      bricks[index].background_seeds &= static_cast<std::uint8_t>(~octant.bit());
+      growth.unseed(octant);
+    }
+  }
+}
+
+/// Samples whose cell was cut since they were taken, or that the background fills in part and has news of.
 std::vector<SampleJob> SampleOctree::State::stale_jobs() {
   std::vector<SampleJob> jobs;
   IndexSet seen_bricks;
+  const auto filled_anew = [&](const WorkBrick& brick, std::size_t i) {
+    if (brick.unmeasured.empty() || brick.unmeasured[i] <= 0.0f) return false;
+    const Eigen::Vector3i at =
+        kBrickSize * Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z) +
+        Eigen::Vector3i(static_cast<int>(i & 7), static_cast<int>(i >> 3 & 7), static_cast<int>(i >> 6));
+    return background.changed(origin_mm + spacing_mm * at.cast<double>());
+  };
   for (const std::uint32_t cell : changed_cells.items()) {
     if (cell >= bricks_of_cell.size()) continue;
     for (const std::uint32_t index : bricks_of_cell[cell]) {
@@ -121,11 +201,21 @@ std::vector<SampleJob> SampleOctree::State::stale_jobs() {
       SampleJob job{index, {}};
       const WorkBrick& brick = bricks[index];
       brick.sampled.for_each([&](int i) {
-        if (changed_cells.contains(brick.cell[static_cast<std::size_t>(i)])) job.samples.set(i);
+        const auto n = static_cast<std::size_t>(i);
+        if (changed_cells.contains(brick.cell[n]) || filled_anew(brick, n)) job.samples.set(i);
       });
       if (job.samples.any()) jobs.push_back(job);
     }
     bricks_of_cell[cell].clear();
+  }
+  for (const BrickCoord& coord : background.bricks()) {
+    const std::uint32_t index = bricks.find(coord);
+    if (index == kNoBrick || bricks[index].unmeasured.empty() || !seen_bricks.add(index)) continue;
+    SampleJob job{index, {}};
+    bricks[index].sampled.for_each([&](int i) {
+      if (filled_anew(bricks[index], static_cast<std::size_t>(i))) job.samples.set(i);
+    });
+    if (job.samples.any()) jobs.push_back(job);
   }
   return jobs;
 }
@@ -158,6 +248,7 @@ void SampleOctree::State::drop_unneeded(OctantGrowth& growth, TouchedSamples& to
     unneeded.for_each([&](int i) {
       brick.sampled.reset(i);
       brick.pinned.reset(i);
+      if (!brick.unmeasured.empty()) brick.unmeasured[static_cast<std::size_t>(i)] = 0.0f;
       brick.label[static_cast<std::size_t>(i)] = kNotSampled;
       brick.cell[static_cast<std::size_t>(i)] = kNoCell;
     });
@@ -167,8 +258,7 @@ void SampleOctree::State::drop_unneeded(OctantGrowth& growth, TouchedSamples& to
 
 /// Smooths what changed and what smoothing carries the change into.
 /// @return bricks with a cell of which a corner or a contour changed, ascending
-std::vector<BrickCoord> SampleOctree::State::smooth(const TouchedSamples& touched, const IndexSet& contoured,
-                                                    int threads, std::size_t& smoothed) {
+std::vector<BrickCoord> SampleOctree::State::smooth(const TouchedSamples& touched, int threads, std::size_t& smoothed) {
   IndexSet reached;
   for (const std::uint32_t index : touched.bricks())
     for (int i = 0; i < 27; ++i) {
@@ -190,23 +280,26 @@ std::vector<BrickCoord> SampleOctree::State::smooth(const TouchedSamples& touche
     for (int i = 0; i < 8; ++i)
       if ((changed[n] & corners_for_below(i & 1, (i >> 1) & 1, i >> 2)).any())
         result.push_back({c.x - (i & 1), c.y - ((i >> 1) & 1), c.z - (i >> 2)});
-    if (!brick.sampled.any() && brick.seeds == 0) bricks.remove(items[n]);
+    if (!brick.sampled.any() && brick.seeds() == 0) bricks.remove(items[n]);
   }
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
 
-Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, FieldEvaluator& evaluator, int threads) {
+Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, FieldEvaluator& evaluator,
+                                                  const Background* background, int threads) {
   State& s = *state_;
   const auto start = Clock::now();
-  s.bricks_of_cell.resize(cells.cell_count());
-  Sampler sampler(cells, evaluator, s.origin_mm, s.spacing_mm, threads);
+  s.bricks_of_cell.resize(cells.cell_bound());
+  Sampler sampler(cells, evaluator, background, s.origin_mm, s.spacing_mm, threads);
   OctantGrowth growth(s.bricks);
   TouchedSamples touched;
   std::vector<SampleJob> jobs = s.stale_jobs();
-  IndexSet contoured;
-  for (const State::Contour& contour : s.new_contours) s.trace(contour, growth, contoured);
+  s.seed_background(growth);
+  for (const State::Contour& contour : s.new_contours) s.trace(contour, growth);
+  for (const Octant& octant : s.unseeded) growth.unseed(octant);
+  s.sort_contours();
   for (s.add_missing(growth, jobs, threads); !jobs.empty(); s.add_missing(growth, jobs, threads)) {
     for (const SampleJob& job : jobs)
       s.samples += static_cast<std::size_t>((job.samples - s.bricks[job.brick].sampled).count());
@@ -225,6 +318,8 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, Fiel
   s.drop_unneeded(growth, touched);
   s.changed_cells.clear();
   s.new_contours.clear();
+  s.unseeded.clear();
+  s.background.clear_changes();
 
   Change change;
   change.evaluated = sampler.evaluated();
@@ -232,8 +327,9 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, Fiel
   change.field_ms = sampler.field_ms();
   change.octree_ms = ms_since(start) - change.field_ms;
   const auto smoothing = Clock::now();
-  change.bricks = s.smooth(touched, contoured, threads, change.smoothed_bricks);
+  change.bricks = s.smooth(touched, threads, change.smoothed_bricks);
   change.smooth_ms = ms_since(smoothing);
+  s.contoured.clear();
   return change;
 }
 

@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "core/background/background.h"
 #include "core/cells/cell_complex.h"
 #include "core/field/field_evaluator.h"
 #include "core/octree/brick.h"
@@ -12,12 +14,12 @@
 
 namespace sonoloft {
 
-/// Samples of the field, only near its zero set and only renewed where cells changed: a sparse lattice of bricks of two
-/// levels of octants under an unbounded grid. Octants are sampled that a contour runs through, and from these on every
-/// octant behind a face with more than one label, until the surfaces are closed.
-/// What is sampled, and its smoothed values, depend on the cells and on the walls noted, not on when update() was
-/// called. Frame: reference, mm. Threads: one writer; const members may run together, but not during update(). Source:
-/// Bermano, Vaxman, Gotsman 2011, sections 4.5 (octree) and 4.6 (smoothing).
+/// Samples of the field, only near its zero set and only renewed where cells or the background changed: a sparse
+/// lattice of bricks of two levels of octants under an unbounded grid. Octants are sampled that a contour or a surface
+/// of the background runs through, and from these on every octant behind a face with more than one label, until the
+/// surfaces are closed. What is sampled, and its smoothed values, depend on the cells and on the walls noted, not on
+/// when update() was called. Frame: reference, mm. Threads: one writer; const members may run together, but not during
+/// update(). Source: Bermano, Vaxman, Gotsman 2011, sections 4.5 (octree) and 4.6 (smoothing).
 class SampleOctree final : public SampleLattice {
  public:
   /// What one update() did.
@@ -40,10 +42,17 @@ class SampleOctree final : public SampleLattice {
   /// @cost O(edges of the new contours)
   void note(const CellComplex& cells, const CellComplex::Delta& delta);
 
-  /// Samples what the insertions noted since the last update() made necessary.
+  /// The same for every CellComplex::withdraw(). @cost O(contour pieces of all bricks)
+  void note(const CellComplex& cells, const CellComplex::Withdrawal& withdrawal);
+  /// The same for every Background::update().
+  void note(const Background& background, std::span<const BackgroundChange> changes);
+
+  /// Samples what was noted since the last update() made necessary.
+  /// @param background  what fills the share of a sample that was not measured; null: outside does
   /// @error what the evaluator returned; the samples are then unusable
   /// @cost  O(samples in changed cells and in octants switched on or off)
-  [[nodiscard]] Result<Change> update(const CellComplex& cells, FieldEvaluator& evaluator, int threads);
+  [[nodiscard]] Result<Change> update(const CellComplex& cells, FieldEvaluator& evaluator, const Background* background,
+                                      int threads);
 
   [[nodiscard]] const Brick* find(BrickCoord coord) const override;
   [[nodiscard]] std::span<const ContourPiece> contours(BrickCoord coord) const override;

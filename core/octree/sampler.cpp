@@ -14,14 +14,15 @@ constexpr std::uint32_t kBoxWalls = 6;
 
 }  // namespace
 
-Sampler::Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const Eigen::Vector3d& origin_mm,
-                 double spacing_mm, int threads)
+Sampler::Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const Background* background,
+                 const Eigen::Vector3d& origin_mm, double spacing_mm, int threads)
     : cells_(cells),
       evaluator_(evaluator),
+      background_(background),
       origin_mm_(origin_mm),
       spacing_mm_(spacing_mm),
       threads_(threads),
-      packed_of_cell_(cells.cell_count(), kNoCell) {}
+      packed_of_cell_(cells.cell_bound(), kNoCell) {}
 
 Result<std::vector<std::vector<std::uint32_t>>> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs) {
   located_.resize(jobs.size());
@@ -47,9 +48,10 @@ Result<std::vector<std::vector<std::uint32_t>>> Sampler::take(BrickPool& bricks,
   field_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 
   parallel_for(jobs.size(), 16, threads_, [&](std::size_t first, std::size_t last) {
+    PointShares scratch;
     for (std::size_t j = first; j < last; ++j)
       for (std::size_t g = first_group[j]; g < first_group[j + 1]; ++g)
-        store(bricks[jobs[j].brick], groups_[g], located_[j]);
+        store(bricks[jobs[j].brick], groups_[g], located_[j], scratch);
   });
   return found;
 }
@@ -130,24 +132,31 @@ void Sampler::pin(WorkBrick& brick, const Group& group, std::span<const std::uin
   }
 }
 
-void Sampler::store(WorkBrick& brick, const Group& group, const Located& located) const {
+void Sampler::store(WorkBrick& brick, const Group& group, const Located& located, PointShares& scratch) const {
   const std::span<const std::uint16_t> index(located.index.data() + group.first, group.count);
   const std::span<const Eigen::Vector3d> points(located.point_mm.data() + group.first, group.count);
   const std::span<const Label> labels = batch_.cells.labels(group.packed);
   const std::uint32_t cell = cell_of_packed_[group.packed];
   for (std::size_t row = 0; row < brick.shares.palette.size(); ++row)
     for (const std::uint16_t i : index) brick.shares.share[row * kBrickSamples + i] = 0.0f;
+  const bool partly_unknown = labels.back() == kUnknown;
+  if (partly_unknown) brick.unmeasured.resize(kBrickSamples, 0.0f);
+  for (const std::uint16_t i : index)
+    if (!brick.unmeasured.empty()) brick.unmeasured[i] = 0.0f;
+  for (std::uint32_t slot = 0; slot < labels.size(); ++slot) {
+    float* row = labels[slot] == kUnknown ? brick.unmeasured.data() : brick.shares.row(labels[slot]);
+    for (std::size_t k = 0; k < index.size(); ++k)
+      row[index[k]] = group.block == kNoBlock ? 1.0f : batch_.row(group.block, slot)[group.lane + k];
+  }
+  if (partly_unknown) fill_unmeasured(brick, index, points, scratch);
   std::array<float, kBrickSamples> best;
   best.fill(-1.0f);
-  for (std::uint32_t slot = 0; slot < labels.size() && labels[slot] != kUnknown; ++slot) {
-    float* row = brick.shares.row(labels[slot]);
+  for (std::size_t row = 0; row < brick.shares.palette.size(); ++row) {
+    const float* share = brick.shares.share.data() + row * kBrickSamples;
     for (std::size_t k = 0; k < index.size(); ++k) {
-      const float share = group.block == kNoBlock ? 1.0f : batch_.row(group.block, slot)[group.lane + k];
-      row[index[k]] = share;
-      if (share > best[k]) {
-        best[k] = share;
-        brick.label[index[k]] = labels[slot];
-      }
+      if (share[index[k]] <= best[k]) continue;
+      best[k] = share[index[k]];
+      brick.label[index[k]] = brick.shares.palette[row];
     }
   }
   for (std::size_t k = 0; k < index.size(); ++k) {
@@ -155,6 +164,22 @@ void Sampler::store(WorkBrick& brick, const Group& group, const Located& located
     brick.sampled.set(index[k]);
   }
   pin(brick, group, index, points);
+}
+
+/// f = known shares + unmeasured share * background (docs/pipeline/9-background.md).
+void Sampler::fill_unmeasured(WorkBrick& brick, std::span<const std::uint16_t> index,
+                              std::span<const Eigen::Vector3d> points, PointShares& scratch) const {
+  if (background_ == nullptr) {
+    scratch.labels.assign(1, kOutside);
+    scratch.share.assign(points.size(), 1.0f);
+  } else {
+    background_->shares(points, scratch);
+  }
+  for (std::size_t l = 0; l < scratch.labels.size(); ++l) {
+    const float* share = scratch.share.data() + l * points.size();
+    float* row = brick.shares.row(scratch.labels[l]);
+    for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += brick.unmeasured[index[k]] * share[k];
+  }
 }
 
 }  // namespace sonoloft

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/background/background.h"
 #include "core/cells/cell_complex.h"
 #include "core/field/field_evaluator.h"
 #include "core/octree/brick_pool.h"
@@ -19,8 +20,9 @@ struct SampleJob {
 /// one update: the cells do not change meanwhile.
 class Sampler {
  public:
-  Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const Eigen::Vector3d& origin_mm, double spacing_mm,
-          int threads);
+  /// @param background  what fills the share of a sample that was not measured; null: outside does
+  Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const Background* background,
+          const Eigen::Vector3d& origin_mm, double spacing_mm, int threads);
 
   /// Locates the samples of each job, evaluates them and writes cell, label, shares and pins into the bricks.
   /// @return [#jobs] the cells that each brick's samples were found in, without repeats
@@ -56,12 +58,15 @@ class Sampler {
   void locate(const WorkBrick& brick, const SampleMask& samples, Located& out) const;
   void pack(std::uint32_t cell);
   [[nodiscard]] Result<void> evaluate();
-  void store(WorkBrick& brick, const Group& group, const Located& located) const;
+  void store(WorkBrick& brick, const Group& group, const Located& located, PointShares& scratch) const;
+  void fill_unmeasured(WorkBrick& brick, std::span<const std::uint16_t> index,
+                       std::span<const Eigen::Vector3d> points_mm, PointShares& scratch) const;
   void pin(WorkBrick& brick, const Group& group, std::span<const std::uint16_t> index,
            std::span<const Eigen::Vector3d> points_mm) const;
 
   const CellComplex& cells_;
   FieldEvaluator& evaluator_;
+  const Background* background_;
   Eigen::Vector3d origin_mm_;
   double spacing_mm_;
   int threads_;

@@ -1,15 +1,21 @@
 #include "core/reconstructor/reconstructor.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <optional>
+#include <utility>
 
+#include "core/background/background.h"
 #include "core/cells/cell_complex.h"
 #include "core/gpu/make_evaluator.h"
 #include "core/mesh/surface_extractor.h"
 #include "core/octree/sample_octree.h"
+#include "core/reconstructor/cell_admission.h"
 #include "core/slice/section.h"
 
 namespace sonoloft {
@@ -23,6 +29,9 @@ constexpr double kMergeGap = 0.25;
 constexpr double kCoarseSpacings = 2;
 /// Chunk keys hold 2^18 lattice points to either side.
 constexpr double kMaxLatticePoints = 1 << 18;
+/// Finer backgrounds, as a share of the box, are slow and say no more.
+constexpr double kFinestBackground = 1e-3;
+constexpr double kBackgroundNodes = 64;  ///< in an object, for recorded slices
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -36,8 +45,17 @@ Result<void> check(const ReconstructorOptions& o) {
   if (o.box.sizes().maxCoeff() / o.spacing_mm > kMaxLatticePoints)
     return fail(ErrorCode::invalid_argument,
                 "the box is more than 2^18 spacings long: use a wider spacing or a smaller box");
+  if (!(o.background_mm >= kFinestBackground * o.box.sizes().maxCoeff()) || !std::isfinite(o.background_mm))
+    return fail(ErrorCode::invalid_argument,
+                "the background's spacing must be a number of mm, at least 1e-3 of the longest side of the box");
   if (o.threads < 1) return fail(ErrorCode::invalid_argument, "threads must be at least 1");
   return {};
+}
+
+bool has_unknown_part(const Section& section) {
+  return section.border == kUnknown ||
+         std::any_of(section.edges.begin(), section.edges.end(),
+                     [](const SectionEdge& e) { return e.left == kUnknown || e.right == kUnknown; });
 }
 
 /// The samples and the mesh of one detail. All details share the cells.
@@ -61,9 +79,28 @@ struct Reconstructor::State {
   ReconstructorOptions options;
   std::unique_ptr<FieldEvaluator> evaluator;
   CellComplex cells;
-  std::array<Level, 2> levels;  ///< [Detail]
-  Detail shown = Detail::full;  ///< by the last update()
+  CellAdmission admission;
+  std::vector<std::uint64_t> slice_ids;  ///< [SliceId] TrackedSlice::id
+  std::optional<Background> background;  ///< once there is a need
+  std::array<Level, 2> levels;           ///< [Detail]
+  Detail shown = Detail::full;           ///< by the last update()
 
+  [[nodiscard]] bool news_only() const { return options.admission == Admission::news; }
+
+  /// Slices that show everything everywhere leave nothing for a background to fill.
+  void make_background() {
+    background.emplace(options.box, options.background_mm);
+    for (const SliceId slice : cells.slices()) background->add(cells.section(slice));
+  }
+
+  [[nodiscard]] Result<CellAdmission::Widths> judge(const Section& section) {
+    return news_only() ? admission.judge(section, cells, *background, *evaluator) : CellAdmission::Widths{};
+  }
+  [[nodiscard]] double width_mm(const CellAdmission::Widths& widths, CellId cell) const {
+    if (!news_only()) return 0;
+    const auto it = widths.find(cell);
+    return it == widths.end() ? std::numeric_limits<double>::infinity() : it->second;
+  }
   [[nodiscard]] Level& level(Detail detail) { return levels[static_cast<std::size_t>(detail)]; }
 };
 
@@ -82,6 +119,7 @@ Result<ReconstructorOptions> options_for(std::span<const TrackedSlice> slices, i
   ReconstructorOptions options;
   options.box = {extent.min() - Eigen::Vector3d::Constant(longest), extent.max() + Eigen::Vector3d::Constant(longest)};
   options.spacing_mm = 1.1 * longest / std::exp2(depth);
+  options.background_mm = 1.1 * longest / kBackgroundNodes;
   return options;
 }
 
@@ -99,33 +137,69 @@ Result<Reconstructor> Reconstructor::create(const ReconstructorOptions& options)
 
 Result<InsertReport> Reconstructor::add(const TrackedSlice& slice) {
   const auto start = Clock::now();
-  const auto section = make_section(slice);
+  State& s = *state_;
+  auto section = make_section(slice);
   if (!section) return tl::unexpected<Error>(section.error());
   InsertReport report;
   report.repaired_crossings = section->repaired_crossings;
-  const auto delta = state_->cells.insert(*section);
-  if (delta) {
-    for (Level& level : state_->levels) level.octree.note(state_->cells, *delta);
-    report.cells_reached = delta->reached;
-    report.cells_cut = static_cast<std::uint32_t>(delta->lower.size());
-    report.nodes_visited = delta->work.nodes_visited;
-    report.faces_cut = delta->work.faces_cut;
-    report.edges_clipped = delta->work.edges_clipped;
-  } else if (delta.error().code == ErrorCode::duplicate_plane) {
-    report.outcome = SliceOutcome::merged;
-  } else {
-    return tl::unexpected<Error>(delta.error());
-  }
+  if (!s.background && (s.news_only() || has_unknown_part(*section))) s.make_background();
+  const auto widths = s.judge(*section);
+  if (!widths) return tl::unexpected<Error>(widths.error());
+  const auto delta = s.cells.insert(std::move(*section), [&](CellId cell) { return s.width_mm(*widths, cell); });
+  if (!delta) return tl::unexpected<Error>(delta.error());
+  for (Level& level : s.levels) level.octree.note(s.cells, *delta);
+  if (s.background) s.background->add(s.cells.section(delta->slice));
+  s.slice_ids.push_back(slice.id);
+  report.cells_reached = delta->reached;
+  report.cells_cut = static_cast<std::uint32_t>(delta->lower.size());
+  report.nodes_visited = delta->work.nodes_visited;
+  report.faces_cut = delta->work.faces_cut;
+  report.edges_clipped = delta->work.edges_clipped;
+  report.outcome = !delta->lower.empty()  ? SliceOutcome::inserted
+                   : delta->too_thin == 0 ? SliceOutcome::explained
+                                          : SliceOutcome::merged;
   report.cells_ms = ms_since(start);
   return report;
 }
 
+Result<void> Reconstructor::withdraw(std::uint64_t id) {
+  State& s = *state_;
+  const std::vector<SliceId> held = s.cells.slices();
+  const auto found = std::find_if(held.rbegin(), held.rend(),
+                                  [&](SliceId slice) { return s.slice_ids[static_cast<std::uint32_t>(slice)] == id; });
+  if (found == held.rend())
+    return fail(ErrorCode::invalid_argument,
+                "no slice " + std::to_string(id) + " is held: it was refused, or withdrawn before");
+  if (s.background) s.background->remove(s.cells.section(*found));
+  const CellComplex::Withdrawal withdrawal = s.cells.withdraw(*found);
+  for (Level& level : s.levels) level.octree.note(s.cells, withdrawal);
+  for (const SliceId slice : held) {
+    if (slice == *found) continue;
+    Result<CellAdmission::Widths> widths;  // of the few slices that get there
+    bool judged = false;
+    const CellComplex::Delta delta = s.cells.insert_again(slice, withdrawal, [&](CellId cell) {
+      if (!std::exchange(judged, true)) widths = s.judge(s.cells.section(slice));
+      return widths ? s.width_mm(*widths, cell) : 0.0;
+    });
+    if (!widths) return tl::unexpected<Error>(widths.error());
+    for (Level& level : s.levels) level.octree.note(s.cells, delta);
+  }
+  return {};
+}
+
 Result<UpdateReport> Reconstructor::update(Detail detail) {
-  Level& level = state_->level(detail);
-  state_->shown = detail;
-  auto change = level.octree.update(state_->cells, *state_->evaluator, state_->options.threads);
-  if (!change) return tl::unexpected<Error>(change.error());
+  State& s = *state_;
   UpdateReport report;
+  if (s.background) {
+    const auto start = Clock::now();
+    const auto changes = s.background->update(s.options.threads);
+    for (Level& level : s.levels) level.octree.note(*s.background, changes);
+    report.background_ms = ms_since(start);
+  }
+  Level& level = s.level(detail);
+  s.shown = detail;
+  auto change = level.octree.update(s.cells, *s.evaluator, s.background ? &*s.background : nullptr, s.options.threads);
+  if (!change) return tl::unexpected<Error>(change.error());
   report.samples_evaluated = change->evaluated;
   report.edge_evaluations = change->edge_evaluations;
   report.bricks_smoothed = change->smoothed_bricks;

@@ -15,26 +15,36 @@
 
 namespace sonoloft {
 
+/// Where a slice cuts the cells that its known part reaches.
+enum class Admission : std::uint8_t {
+  everything,  ///< everywhere: every slice is interpolated; for recorded sets of up to some hundred slices
+  news,        ///< where it says what the slices before do not say already: the rest counts in the background only;
+               ///< for sweeps of any length
+};
+
 struct ReconstructorOptions {
-  Eigen::AlignedBox3d box;  ///< the space of the scan, reference, mm; its walls are outside of every object, so
-                            ///< keep it about one object larger than the object on every side
-  double spacing_mm = 0;    ///< edge of a finest cell: what is finer than this is not drawn; > 0
+  Eigen::AlignedBox3d box;     ///< the space of the scan, reference, mm; its walls are outside of every object, so
+                               ///< keep it about one object larger than the object on every side
+  double spacing_mm = 0;       ///< edge of a finest cell: what is finer than this is not drawn; > 0
+  double background_mm = 2.5;  ///< node spacing of the background, which fills what no slice shows: about a 60th of the
+                               ///< object; of `news`, how much of it counts is measured in it too; > 0
+  Admission admission = Admission::everything;
   DeviceChoice device = DeviceChoice::automatic;
   int threads = 1;                                   ///< >= 1; results do not depend on it
   std::function<void(const std::string& line)> log;  ///< one line on the chosen device; may be empty
 };
 
-/// Box and spacing for recorded slices: the box of all contours, widened by its longest side on every side, and a
-/// spacing of 1.1 longest sides / 2^depth.
+/// Box and spacings for recorded slices: the box of all contours, widened by its longest side on every side, a spacing
+/// of 1.1 longest sides / 2^depth, and a background of 1.1 longest sides / 64.
 /// @pre  2 <= depth <= 12
 /// @error empty_input (no contour in any slice)
 [[nodiscard]] Result<ReconstructorOptions> options_for(std::span<const TrackedSlice> slices, int depth);
 
 /// What became of one slice.
 enum class SliceOutcome : std::uint8_t {
-  inserted,  ///< it cut cells, or none where it says what all around it says already (cells_cut == 0)
-  merged,    ///< it lies in the plane of an earlier slice, or nearer to it than a quarter of the spacing: that one is
-             ///< kept
+  inserted,   ///< it cut cells: the mesh may have changed
+  explained,  ///< it says what is known already, and cut nothing
+  merged,     ///< it says something new, but lies too near to earlier slices to cut: it counts in the background only
 };
 
 struct InsertReport {
@@ -45,7 +55,7 @@ struct InsertReport {
   std::uint32_t faces_cut = 0;           ///< walls that the cut crosses
   std::uint32_t edges_clipped = 0;       ///< contour and outline pieces of the slice on its way, and of those walls
   std::uint32_t repaired_crossings = 0;  ///< of contours
-  double cells_ms = 0;
+  double cells_ms = 0;                   ///< admission and cutting
 };
 
 /// How finely the mesh is drawn.
@@ -62,7 +72,7 @@ struct UpdateReport {
   std::size_t edge_evaluations = 0;  ///< edges of cells summed for these samples
   std::size_t bricks_smoothed = 0;
   std::size_t chunks_rebuilt = 0;
-  double field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;
+  double background_ms = 0, field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;
 };
 
 /// Size of the reconstruction now.
@@ -86,6 +96,13 @@ class Reconstructor {
   /// Cuts the cells. The mesh follows with the next update().
   /// @error those of make_section(), outside_box, cell_limit: nothing has changed
   [[nodiscard]] Result<InsertReport> add(const TrackedSlice& slice);
+
+  /// Takes back a slice, as if it had never been added; replace it by adding another. With Admission::news, slices that
+  /// cut nothing elsewhere because of this one are not asked again: they count in the background.
+  /// @param id  TrackedSlice::id; of several with this id the last one added
+  /// @error invalid_argument: no slice of this id is held; opencl_failed
+  /// @cost  that of inserting again all slices in the cells that this one had cut first
+  [[nodiscard]] Result<void> withdraw(std::uint64_t id);
 
   /// Brings the mesh of one detail up to date with all slices added; that of the other waits for its turn.
   /// @error opencl_failed

@@ -26,8 +26,6 @@ const char* name(ErrorCode code) {
       return "too_large";
     case ErrorCode::not_rigid:
       return "not_rigid";
-    case ErrorCode::duplicate_plane:
-      return "duplicate_plane";
     case ErrorCode::outside_box:
       return "outside_box";
     case ErrorCode::cell_limit:

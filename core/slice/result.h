@@ -18,7 +18,6 @@ enum class ErrorCode : std::uint16_t {
   bad_contour,         ///< a contour that no repair makes sense of
   too_large,           ///< over a stated limit
   not_rigid,           ///< a pose that is not a rotation and a translation
-  duplicate_plane,     ///< the slice lies in a plane that is there already
   outside_box,         ///< the slice does not reach the box of the scan
   cell_limit,          ///< the complex may not grow further
   device_not_found,

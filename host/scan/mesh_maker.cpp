@@ -29,8 +29,15 @@ const char* reason(PoseStatus status) {
 }
 
 SliceFate fate(const InsertReport& report) {
-  if (report.outcome == SliceOutcome::merged) return SliceFate::merged;
-  return report.cells_cut == 0 ? SliceFate::explained : SliceFate::inserted;
+  switch (report.outcome) {
+    case SliceOutcome::inserted:
+      return SliceFate::inserted;
+    case SliceOutcome::explained:
+      return SliceFate::explained;
+    case SliceOutcome::merged:
+      return SliceFate::merged;
+  }
+  return SliceFate::refused;
 }
 
 /// The chunks of either mesh, ascending.

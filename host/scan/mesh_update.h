@@ -18,7 +18,7 @@ namespace sonoloft {
 enum class SliceFate : std::uint8_t {
   inserted,   ///< it cut cells: the mesh may have changed
   explained,  ///< it says what was known already, and cut nothing
-  merged,     ///< it lies in the plane of an earlier slice, which is kept
+  merged,     ///< it says something new, but lies too near to earlier slices to cut: it counts in the background only
   refused,    ///< it is not used, for the reason given: no sound pose, or not a sound slice
 };
 

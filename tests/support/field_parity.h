@@ -48,11 +48,6 @@ inline bool place_near(const FieldCell& cell, Random& random, Near near, double 
   return false;
 }
 
-/// What the reference says of a label once outside has taken what is unknown.
-inline double filled_share(const ReferenceShares& reference, Label label) {
-  return reference.share(label) + (label == kOutside ? reference.share(kUnknown) : 0);
-}
-
 /// The exact field at a point of a cell and a step to either side of it along x, y and z.
 class ExactField {
  public:
@@ -63,13 +58,13 @@ class ExactField {
           at(point + (k % 2 == 0 ? step_mm : -step_mm) * Eigen::Vector3d::Unit(k / 2));
   }
 
-  [[nodiscard]] double share(Label label) const { return filled_share(here_, label); }
+  [[nodiscard]] double share(Label label) const { return here_.share(label); }
 
   /// About the distance from the point to where the label has the share `value`, in cell sizes: by the gradient where
   /// that holds, else, near corners of the field, the radius of a ball that has such values in it.
   [[nodiscard]] double distance_to(double value, Label label) const {
     const auto slope = [&](std::size_t axis) {
-      return (filled_share(around_[2 * axis], label) - filled_share(around_[2 * axis + 1], label)) / (2 * step_mm_);
+      return (around_[2 * axis].share(label) - around_[2 * axis + 1].share(label)) / (2 * step_mm_);
     };
     // Where a share hardly changes, an error of it moves no surface: hence a least gradient of 0.1 per cell size.
     const double gradient = std::max(Eigen::Vector3d(slope(0), slope(1), slope(2)).norm() * cell_.size_mm(), 0.1);
@@ -91,7 +86,7 @@ class ExactField {
     for (int i = 0; i < 300; ++i) {
       const Eigen::Vector3d near = point_ + radius_mm * std::cbrt(uniform(random, 0, 1)) * uniform_direction(random);
       if (cell_.depth(near) <= 0) continue;
-      const double share_there = filled_share(at(near), label);
+      const double share_there = at(near).share(label);
       low = std::min(low, share_there);
       high = std::max(high, share_there);
     }

@@ -4,7 +4,7 @@
 #include <set>
 #include <utility>
 
-#include "core/io/slice_files.h"
+#include "core/io/slices/slice_files.h"
 #include "core/reconstructor/reconstructor.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
@@ -44,7 +44,11 @@ struct Times {
 };
 
 struct SliceOutcomes {
-  std::size_t inserted = 0, merged = 0, refused = 0;
+  std::size_t inserted = 0, explained = 0, merged = 0, refused = 0;
+
+  std::size_t& of(SliceOutcome outcome) {
+    return outcome == SliceOutcome::inserted ? inserted : outcome == SliceOutcome::explained ? explained : merged;
+  }
 };
 
 Result<SliceFile> load(const std::filesystem::path& path) {
@@ -79,7 +83,7 @@ Result<SliceOutcomes> reconstruct(std::span<const TrackedSlice> slices, bool onl
     const auto added = reconstructor.add(slice);
     if (added) {
       times.cells += added->cells_ms;
-      ++(added->outcome == SliceOutcome::merged ? outcomes.merged : outcomes.inserted);
+      ++outcomes.of(added->outcome);
     } else {
       ++outcomes.refused;
       std::cerr << "sonoloft: plane " << slice.id << " is left out: " << added.error().message << '\n';
@@ -110,7 +114,11 @@ Json report_json(std::span<const TrackedSlice> slices, const SliceOutcomes& outc
                  Mesher mesher, std::size_t triangles, const Times& t) {
   const ReconstructorCounts counts = r.counts();
   return {{"input", input_json(slices)},
-          {"slices", {{"inserted", outcomes.inserted}, {"merged", outcomes.merged}, {"refused", outcomes.refused}}},
+          {"slices",
+           {{"inserted", outcomes.inserted},
+            {"explained", outcomes.explained},
+            {"merged", outcomes.merged},
+            {"refused", outcomes.refused}}},
           {"cells", counts.cells},
           {"faces", counts.faces},
           {"edges", counts.edges},

@@ -1,23 +1,13 @@
 #include <doctest/doctest.h>
 
-#include <cstring>
-
 #include "core/reconstructor/reconstructor.h"
+#include "tests/support/mesh/same_bytes.h"
 #include "tests/support/recorded_slices.h"
 
 using namespace sonoloft;
+using test::same_bytes;
 
 namespace {
-
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-
-bool same_bytes(const IndexedMesh& a, const IndexedMesh& b) {
-  return same_bytes(a.positions, b.positions) && same_bytes(a.triangles, b.triangles) &&
-         same_bytes(a.label_front, b.label_front) && same_bytes(a.label_back, b.label_back);
-}
 
 Reconstructor make(const std::vector<TrackedSlice>& slices, int threads, DeviceChoice device) {
   auto options = options_for(slices, 6);

@@ -31,7 +31,7 @@ double share_of(const FieldBatch& batch, std::uint32_t block, std::size_t point,
 
 }  // namespace
 
-TEST_CASE("field: the shares of the known labels sum to 1 everywhere, walls, borders and corners among them") {
+TEST_CASE("field: the shares of all labels sum to 1 everywhere, walls, borders and corners among them") {
   test::Random random(11);
   double worst = 0, lowest = 0, highest = 1;
   for (int round = 0; round < 40; ++round) {
@@ -51,7 +51,7 @@ TEST_CASE("field: the shares of the known labels sum to 1 everywhere, walls, bor
         const double share = share_of(batch, block, i, label);
         lowest = std::min(lowest, share);
         highest = std::max(highest, share);
-        if (label != kUnknown) sum += share;
+        sum += share;
       }
       worst = std::max(worst, std::abs(sum - 1));
     }
@@ -124,7 +124,7 @@ TEST_CASE("field: the two sides of a wall meet in the wall's label, and in each 
       for (const Label l : kFiveLabels) {
         const double below = share_of(sides[0], 0, i, l), above = share_of(sides[1], 0, i, l);
         worst_gap = std::max(worst_gap, std::abs(below - above));
-        const double expected = l == label || (l == kOutside && label == kUnknown) ? 1 : 0;
+        const double expected = l == label ? 1 : 0;
         worst_label = std::max({worst_label, std::abs(below - expected), std::abs(above - expected)});
       }
     }

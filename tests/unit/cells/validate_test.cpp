@@ -18,7 +18,7 @@ CellStore sound_store() {
   for (int i = 0; i < 8; ++i) {
     Section section = test::section_of_discs(test::random_frame(rng, 15), {{{0, 0}, 20, 1}});
     if (i % 3 == 2) test::bound_view(section);
-    (void)store.insert(section);
+    (void)store.insert(section, CellComplex::anywhere);
   }
   return store;
 }

@@ -1,0 +1,47 @@
+#pragma once
+#include <unordered_map>
+
+#include "core/background/background.h"
+#include "core/cells/cell_complex.h"
+#include "core/field/field_evaluator.h"
+#include "core/slice/result.h"
+#include "core/slice/section.h"
+
+namespace sonoloft {
+
+/// Which cells a slice is to cut: those in which it says what the slices before it do not say already. What cuts
+/// nothing is not lost: it counts in the background. All lengths follow from the background's spacing H, 2.5 mm in a
+/// body. Source: docs/pipeline/9-background.md.
+class CellAdmission {
+ public:
+  /// How far both parts must reach from the slice, mm; a cell that is not in here is not to be cut.
+  using Widths = std::unordered_map<CellId, double>;
+
+  /// Compares the slice's labels, on a raster of 0.6 H, with what the field has there.
+  /// @param background  without the slice
+  /// @error opencl_failed
+  /// @cost  O(edges of the cells reached + raster points times edges of their cell)
+  [[nodiscard]] Result<Widths> judge(const Section& section, const CellComplex& cells, const Background& background,
+                                     FieldEvaluator& evaluator);
+
+ private:
+  /// Points of one cell: order_[first, first + count).
+  struct Group {
+    CellPoints points;
+    std::uint32_t packed, block;  ///< block: meaningless when the cell is constant
+  };
+  void raster(const Section& section, const CellComplex& cells, double spacing_mm);
+  void pack(const CellComplex& cells);
+  [[nodiscard]] double width(const Group& group, const Background& background);
+
+  std::vector<Eigen::Vector3d> point_mm_, point_of_cell_mm_;
+  std::vector<Label> label_;  ///< [point_mm_] what the slice says
+  std::vector<std::uint32_t> order_;
+  std::vector<CellPoints> cells_;
+  std::vector<Group> groups_;
+  FieldBatch batch_;
+  PointShares near_;
+  std::vector<float> weight_;
+};
+
+}  // namespace sonoloft

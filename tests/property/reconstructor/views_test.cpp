@@ -1,0 +1,126 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "core/reconstructor/reconstructor.h"
+#include "tests/support/mesh/mesh_check.h"
+#include "tests/support/mesh/same_bytes.h"
+#include "tests/support/view_slices.h"
+
+using namespace sonoloft;
+using test::same_bytes;
+
+namespace {
+
+/// A hand-held sweep that sees a sector of the body, slices far enough apart to matter.
+std::vector<TrackedSlice> sweep(int count, const std::vector<test::Ball>& body = test::body()) {
+  std::vector<TrackedSlice> slices;
+  const auto frames = test::hand_sweep(1000, 5);
+  for (int i = 0; i < count; ++i) {
+    slices.push_back(
+        test::slice_of_balls(frames[static_cast<std::size_t>(i * 1000 / count)], body, test::sector_view()));
+    slices.back().id = static_cast<std::uint64_t>(100 + i);
+  }
+  return slices;
+}
+
+Reconstructor make(Admission admission, int threads) {
+  ReconstructorOptions options;
+  options.box = {Eigen::Vector3d::Constant(-120), Eigen::Vector3d::Constant(120)};
+  options.spacing_mm = 2.5;
+  options.background_mm = 4;
+  options.admission = admission;
+  options.device = DeviceChoice::cpu;
+  options.threads = threads;
+  auto reconstructor = Reconstructor::create(options);
+  REQUIRE(reconstructor);
+  return std::move(*reconstructor);
+}
+
+IndexedMesh mesh_of(Reconstructor& reconstructor) {
+  REQUIRE(reconstructor.update());
+  return reconstructor.mesh().indexed();
+}
+
+void add_all(Reconstructor& reconstructor, const std::vector<TrackedSlice>& slices, std::uint64_t but_id = 0) {
+  for (const TrackedSlice& slice : slices)
+    if (slice.id != but_id) REQUIRE(reconstructor.add(slice));
+}
+
+}  // namespace
+
+TEST_CASE("reconstructor: views of a sector, one by one and all at once, with 1 or 2 threads: the same bytes") {
+  const std::vector<TrackedSlice> slices = sweep(30);
+  for (const Admission admission : {Admission::everything, Admission::news}) {
+    Reconstructor batch = make(admission, 1), online = make(admission, 2);
+    add_all(batch, slices);
+    for (std::size_t i = 0; i < slices.size(); ++i) {
+      REQUIRE(online.add(slices[i]));
+      REQUIRE(online.update(i % 3 == 0 ? Detail::coarse : Detail::full));
+    }
+    const IndexedMesh mesh = mesh_of(batch);
+    CHECK(mesh.triangles.size() > 5000);
+    CHECK(same_bytes(mesh, mesh_of(online)));
+    CHECK(batch.counts().samples == online.counts().samples);
+  }
+}
+
+TEST_CASE("reconstructor: views of a sector give closed surfaces that do not cross themselves") {
+  for (const Admission admission : {Admission::everything, Admission::news}) {
+    Reconstructor reconstructor = make(admission, 2);
+    add_all(reconstructor, sweep(60));
+    const IndexedMesh mesh = mesh_of(reconstructor);
+    const test::MeshReport report = test::check_mesh(mesh);
+    MESSAGE(reconstructor.counts().cells << " cells\n" << report.text());
+    CHECK(report.closed_manifold());
+    CHECK(report.labels.size() == 3);
+    CHECK(test::count_self_intersections(mesh) == 0);
+  }
+}
+
+TEST_CASE("reconstructor: a slice withdrawn leaves the mesh of the same slices without it") {
+  const std::vector<TrackedSlice> slices = sweep(24);
+  for (const std::uint64_t gone : {100u, 109u, 123u}) {
+    Reconstructor with = make(Admission::everything, 1), without = make(Admission::everything, 1);
+    add_all(with, slices);
+    REQUIRE(with.update());
+    REQUIRE(with.withdraw(gone));
+    add_all(without, slices, gone);
+    const IndexedMesh mesh = mesh_of(with);
+    CHECK(same_bytes(mesh, mesh_of(without)));
+    CHECK(with.counts().samples == without.counts().samples);
+    const auto again = with.withdraw(gone);
+    REQUIRE(!again);
+    CHECK(again.error().code == ErrorCode::invalid_argument);
+    REQUIRE(with.withdraw(105));  // and added once more: replaced
+    REQUIRE(with.add(slices[5]));
+    CHECK(test::check_mesh(mesh_of(with)).closed_manifold());
+  }
+}
+
+TEST_CASE("reconstructor: of a sweep, where nothing is new nothing is cut, and the mesh is that of all cuts") {
+  const std::vector<TrackedSlice> slices = sweep(200);
+  Reconstructor news = make(Admission::news, 2), everything = make(Admission::everything, 2);
+  std::size_t explained = 0, inserted = 0;
+  for (const TrackedSlice& slice : slices) {
+    const auto report = news.add(slice);
+    REQUIRE(report);
+    explained += report->outcome == SliceOutcome::explained;
+    inserted += report->outcome == SliceOutcome::inserted;
+    REQUIRE(everything.add(slice));
+  }
+  const test::MeshReport few = test::check_mesh(mesh_of(news)), all = test::check_mesh(mesh_of(everything));
+  MESSAGE(news.counts().cells << " cells instead of " << everything.counts().cells << "; " << inserted
+                              << " slices cut, " << explained << " explained\n"
+                              << few.text() << all.text());
+  CHECK(news.counts().cells < everything.counts().cells / 4);
+  CHECK(explained > 20);
+  for (const Label label : {Label{1}, Label{2}})
+    CHECK(few.labels.at(label).volume_mm3 == doctest::Approx(all.labels.at(label).volume_mm3).epsilon(0.05));
+}
+
+TEST_CASE("reconstructor: where nothing but outside was seen there is no surface") {
+  Reconstructor reconstructor = make(Admission::news, 1);
+  add_all(reconstructor, sweep(20, {}));
+  CHECK(mesh_of(reconstructor).triangles.empty());
+}

@@ -45,6 +45,8 @@ struct Brick {
   std::vector<Label> palette;              ///< [#P] ascending: labels that occur with a share in this brick
   std::vector<float> share;                ///< [#P][kBrickSamples] share of a label, 0..1 up to rounding; labels not in
                                            ///< the palette have share 0; meaningless where label is kNotSampled
+  std::vector<float> unmeasured;  ///< [kBrickSamples] share of a sample, before smoothing, that no slice gave but
+                                  ///< the background; empty: slices gave all
 };
 
 /// A piece of the contours of the slices within the cells of one brick: a straight border between two labels.

@@ -42,7 +42,6 @@ struct WorkBrick {
   std::array<std::uint32_t, kBrickSamples> cell;  ///< the convex cell of a sample, kNoCell
   std::array<Label, kBrickSamples> label;         ///< as sampled; kNotSampled
   ShareTable shares;                              ///< as sampled
-  std::vector<float> unmeasured;                  ///< [kBrickSamples] share that the background filled; empty: none
   std::vector<ContourPiece> contours;             ///< in its cells
   Brick smooth;                                   ///< what the mesh sees
 

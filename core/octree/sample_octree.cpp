@@ -188,7 +188,7 @@ std::vector<SampleJob> SampleOctree::State::stale_jobs() {
   std::vector<SampleJob> jobs;
   IndexSet seen_bricks;
   const auto filled_anew = [&](const WorkBrick& brick, std::size_t i) {
-    if (brick.unmeasured.empty() || brick.unmeasured[i] <= 0.0f) return false;
+    if (brick.smooth.unmeasured.empty() || brick.smooth.unmeasured[i] <= 0.0f) return false;
     const Eigen::Vector3i at =
         kBrickSize * Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z) +
         Eigen::Vector3i(static_cast<int>(i & 7), static_cast<int>(i >> 3 & 7), static_cast<int>(i >> 6));
@@ -210,7 +210,7 @@ std::vector<SampleJob> SampleOctree::State::stale_jobs() {
   }
   for (const BrickCoord& coord : background.bricks()) {
     const std::uint32_t index = bricks.find(coord);
-    if (index == kNoBrick || bricks[index].unmeasured.empty() || !seen_bricks.add(index)) continue;
+    if (index == kNoBrick || bricks[index].smooth.unmeasured.empty() || !seen_bricks.add(index)) continue;
     SampleJob job{index, {}};
     bricks[index].sampled.for_each([&](int i) {
       if (filled_anew(bricks[index], static_cast<std::size_t>(i))) job.samples.set(i);
@@ -248,7 +248,7 @@ void SampleOctree::State::drop_unneeded(OctantGrowth& growth, TouchedSamples& to
     unneeded.for_each([&](int i) {
       brick.sampled.reset(i);
       brick.pinned.reset(i);
-      if (!brick.unmeasured.empty()) brick.unmeasured[static_cast<std::size_t>(i)] = 0.0f;
+      if (!brick.smooth.unmeasured.empty()) brick.smooth.unmeasured[static_cast<std::size_t>(i)] = 0.0f;
       brick.label[static_cast<std::size_t>(i)] = kNotSampled;
       brick.cell[static_cast<std::size_t>(i)] = kNoCell;
     });

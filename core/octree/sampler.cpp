@@ -140,11 +140,11 @@ void Sampler::store(WorkBrick& brick, const Group& group, const Located& located
   for (std::size_t row = 0; row < brick.shares.palette.size(); ++row)
     for (const std::uint16_t i : index) brick.shares.share[row * kBrickSamples + i] = 0.0f;
   const bool partly_unknown = labels.back() == kUnknown;
-  if (partly_unknown) brick.unmeasured.resize(kBrickSamples, 0.0f);
+  if (partly_unknown) brick.smooth.unmeasured.resize(kBrickSamples, 0.0f);
   for (const std::uint16_t i : index)
-    if (!brick.unmeasured.empty()) brick.unmeasured[i] = 0.0f;
+    if (!brick.smooth.unmeasured.empty()) brick.smooth.unmeasured[i] = 0.0f;
   for (std::uint32_t slot = 0; slot < labels.size(); ++slot) {
-    float* row = labels[slot] == kUnknown ? brick.unmeasured.data() : brick.shares.row(labels[slot]);
+    float* row = labels[slot] == kUnknown ? brick.smooth.unmeasured.data() : brick.shares.row(labels[slot]);
     for (std::size_t k = 0; k < index.size(); ++k)
       row[index[k]] = group.block == kNoBlock ? 1.0f : batch_.row(group.block, slot)[group.lane + k];
   }
@@ -178,7 +178,7 @@ void Sampler::fill_unmeasured(WorkBrick& brick, std::span<const std::uint16_t> i
   for (std::size_t l = 0; l < scratch.labels.size(); ++l) {
     const float* share = scratch.share.data() + l * points.size();
     float* row = brick.shares.row(scratch.labels[l]);
-    for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += brick.unmeasured[index[k]] * share[k];
+    for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += brick.smooth.unmeasured[index[k]] * share[k];
   }
 }
 

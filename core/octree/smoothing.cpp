@@ -186,7 +186,9 @@ SampleMask smooth_brick(const BrickPool& bricks, WorkBrick& brick) {
   }
   finish(brick.sampled, result);
   const SampleMask changed = difference(result, brick.smooth);
-  if (changed.any()) brick.smooth = std::move(result);
+  if (!changed.any()) return changed;
+  result.unmeasured = std::move(brick.smooth.unmeasured);
+  brick.smooth = std::move(result);
   return changed;
 }
 

@@ -16,6 +16,7 @@
 #include "core/mesh/surface_extractor.h"
 #include "core/octree/sample_octree.h"
 #include "core/reconstructor/cell_admission.h"
+#include "core/slice/parallel.h"
 #include "core/slice/section.h"
 
 namespace sonoloft {
@@ -219,6 +220,25 @@ MeshSnapshot Reconstructor::mesh() const {
 
 const SampleLattice& Reconstructor::samples() const {
   return state_->level(state_->shown).octree;
+}
+
+std::vector<ChunkConfidence> Reconstructor::confidence() {
+  State& s = *state_;
+  if (!s.background) s.make_background();
+  const MeshSnapshot shown = mesh();
+  std::vector<ChunkConfidence> all(shown.chunks.size());
+  parallel_for(all.size(), 16, s.options.threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c) all[c] = confidence_of(*shown.chunks[c], samples(), *s.background);
+  });
+  return all;
+}
+
+Coverage Reconstructor::coverage() {
+  State& s = *state_;
+  if (!s.background) s.make_background();
+  std::vector<const Section*> sections;
+  for (const SliceId slice : s.cells.slices()) sections.push_back(&s.cells.section(slice));
+  return coverage_of(sections, *s.background);
 }
 
 ReconstructorCounts Reconstructor::counts() const {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/coverage/confidence.h"
+#include "core/coverage/coverage.h"
 #include "core/field/device_choice.h"
 #include "core/mesh/mesh.h"
 #include "core/slice/result.h"
@@ -111,6 +113,10 @@ class Reconstructor {
   [[nodiscard]] MeshSnapshot mesh() const;  ///< that of the last update(). O(chunks)
   /// What mesh() was drawn from. Valid until the next update().
   [[nodiscard]] const SampleLattice& samples() const;
+  /// How sure the vertices of mesh() are, with the slices added so far. [#chunks] @cost O(vertices)
+  [[nodiscard]] std::vector<ChunkConfidence> confidence();
+  /// What was seen so far and what was not, of the space that the slices' materials span. @cost some 50 ms
+  [[nodiscard]] Coverage coverage();
   [[nodiscard]] ReconstructorCounts counts() const;  ///< of mesh() and what it was drawn from
   [[nodiscard]] std::string device_name() const;
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/reconstructor/reconstructor.h"
 #include "core/slice/result.h"
@@ -26,8 +27,11 @@ class MeshMaker {
   [[nodiscard]] Result<std::shared_ptr<MeshUpdate>> make(
       std::span<const std::shared_ptr<const device::DeliveredSlice>> slices, Detail detail);
 
-  /// Of the last mesh made; full before the first.
-  [[nodiscard]] Detail detail() const { return shown_.detail; }
+  /// See Reconstructor. The mesh follows with the next make().
+  [[nodiscard]] Result<void> withdraw(std::uint64_t slice_id) { return reconstructor_.withdraw(slice_id); }
+  [[nodiscard]] std::vector<ChunkConfidence> confidence() { return reconstructor_.confidence(); }
+  [[nodiscard]] Coverage coverage() { return reconstructor_.coverage(); }
+
   [[nodiscard]] std::string field_device() const { return reconstructor_.device_name(); }
 
  private:

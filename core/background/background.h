@@ -35,10 +35,10 @@ struct BackgroundChange {
 /// between them (screened harmonic), near no slice the prior: outside. Solves
 ///   sum over 6 neighbours (g_j - g_i) + 16 w_i (d_i - g_i) + (1/8)^2 (prior - g_i) = 0
 /// on a lattice of nodes `spacing` apart, w the known area per spacing^2 around a node, d the label's share of it;
-/// beyond the box g is the prior. Shares are rounded to 1/256 at the nodes and trilinear between them; they always sum
-/// to 1. The shares depend on the slices held, as a set: on no order, no grouping into updates, no number of threads,
-/// to the last bit. Frame: reference, mm. Threads: one writer (add, remove, update); const members may run together,
-/// but not during these. Source: docs/pipeline/9-background.md.
+/// beyond the box g is the prior. Shares are rounded at the nodes (to 1/256, below 1/4 to 1/64) and trilinear between
+/// them; they always sum to 1. The shares depend on the slices held, as a set: on no order, no grouping into updates,
+/// no number of threads, to the last bit. Frame: reference, mm. Threads: one writer (add, remove, update); const
+/// members may run together, but not during these. Source: docs/pipeline/9-background.md.
 class Background {
  public:
   /// @pre the box is not empty, spacing_mm > 0, no edge is longer than kBackgroundLargest spacings
@@ -76,7 +76,7 @@ class Background {
   [[nodiscard]] std::vector<BackgroundChange> seeds() const;
 
   /// Distance to the nearest known slice data, cut off at kBackgroundReach spacings.
-  /// @param distance_mm  out, [#P] off by at most 0.9 spacings
+  /// @param distance_mm  out, [#P] off by at most 1.2 spacings
   void distance(std::span<const Eigen::Vector3d> points_mm, std::vector<float>& distance_mm) const;
 
   [[nodiscard]] double spacing_mm() const;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <iterator>
+#include <utility>
 
 #include "core/slice/parallel.h"
 
@@ -13,8 +14,7 @@ using Eigen::Vector3i;
 
 constexpr std::size_t kLevels = 4;             ///< nodes of the coarsest are one screening length apart
 constexpr float kFinestScreening = 1.0f / 64;  ///< (spacing / screening length)^2
-constexpr int kCoarseRounding = 8;  ///< of 256: finer changes nothing but how far small changes run
-constexpr int kTileBricks = 4;                 ///< along an edge: more share their surroundings, fewer stay in a cache
+constexpr int kTileBricks = 2;                 ///< along an edge: more share their surroundings, fewer stay in a cache
 
 Vector3i halved(const Vector3i& v) {
   return {v.x() >> 1, v.y() >> 1, v.z() >> 1};
@@ -53,28 +53,47 @@ class Pull {
   std::array<std::size_t, 8> at_{};
 };
 
-/// The row with the largest share of a node, the first of equals; there is one at least.
-std::size_t largest_row(const NodeShares& shares, std::size_t node) {
-  const auto& rows = shares.of_label.rows;
-  std::size_t largest = 0;
-  for (std::size_t r = 1; r < rows.size(); ++r)
-    if (rows[r][node] > rows[largest][node]) largest = r;
-  return largest;
-}
+/// Between passes. Finer makes the result no better (measured), but small changes run farther.
+struct RoundBetween {
+  static constexpr float kStep = 8;
+  std::uint16_t operator()(float share) const {
+    const float steps = std::clamp(share, 0.0f, 1.0f) * (kShareUnit / kStep) + 0.5f;
+    return static_cast<std::uint16_t>(static_cast<int>(steps) * static_cast<int>(kStep));
+  }
+};
 
-/// Takes from the largest what rounding gave all together too much, and finds the largest.
+/// In the end. Surfaces lie where shares are large: small ones need not be exact, and would change most often.
+struct RoundResult {
+  std::uint16_t operator()(float share) const {
+    const float units = std::clamp(share, 0.0f, 1.0f) * kShareUnit;
+    const int fine = static_cast<int>(units + 0.5f), coarse = static_cast<int>(units * 0.25f + 0.5f) * 4;
+    return static_cast<std::uint16_t>(units < kShareUnit / 4.0f ? coarse : fine);
+  }
+};
+
+/// Finds the largest share of every node and takes from it what rounding gave all together too much.
 void finish(NodeShares& shares) {
-  auto& rows = shares.of_label.rows;
+  std::array<std::int16_t, kBrickNodes> outside, largest{};
+  outside.fill(kShareUnit);
+  shares.top.fill(kOutside);
+  const auto look_at = [&](std::size_t r, std::size_t i) {
+    const auto share = static_cast<std::int16_t>(shares.of_label.rows[r][i]);
+    const bool larger = share > largest[i];
+    shares.top[i] = larger ? shares.of_label.labels[r] : shares.top[i];
+    largest[i] = larger ? share : largest[i];
+    return share;
+  };
+  const std::size_t count = shares.of_label.rows.size();
+  for (std::size_t r = 0; r < count; ++r)
+    for (std::size_t i = 0; i < kBrickNodes; ++i) outside[i] = static_cast<std::int16_t>(outside[i] - look_at(r, i));
   for (std::size_t i = 0; i < kBrickNodes; ++i) {
-    int outside = kShareUnit;
-    for (const auto& row : rows) outside -= row[i];
-    std::size_t largest = largest_row(shares, i);
-    if (outside < 0) {
-      rows[largest][i] = static_cast<std::uint16_t>(rows[largest][i] + outside);
-      outside = 0;
-      largest = largest_row(shares, i);
+    if (outside[i] < 0) {
+      std::uint16_t& share = shares.of_label.find_or_add(shares.top[i])[i];
+      share = static_cast<std::uint16_t>(share + std::exchange(outside[i], std::int16_t{0}));
+      largest[i] = 0;
+      for (std::size_t r = 0; r < count; ++r) look_at(r, i);
     }
-    shares.top[i] = rows[largest][i] > outside ? shares.of_label.labels[largest] : kOutside;
+    if (largest[i] <= outside[i]) shares.top[i] = kOutside;
   }
 }
 
@@ -101,15 +120,6 @@ bool assign(std::uint32_t& own, std::uint32_t value) {
   return differs;
 }
 
-/// The smallest box that holds these nodes of a brick.
-AlignedBox3i extent(const Vector3i& brick, const std::bitset<kBrickNodes>& nodes) {
-  AlignedBox3i box;
-  for_each_in(nodes_of(brick), [&](const Vector3i& node) {
-    if (nodes.test(node_index(node.x(), node.y(), node.z()))) box.extend(node);
-  });
-  return box;
-}
-
 }  // namespace
 
 Cascade::Cascade(const Vector3i& nodes) {
@@ -118,6 +128,8 @@ Cascade::Cascade(const Vector3i& nodes) {
     levels_.emplace_back(size);
     size = halved(size.array() + 1);
   }
+  for (std::size_t p = 0; p < 2 * kLevels; ++p)
+    passes_.emplace_back(levels_[level_of(p)].data.nodes().max().array() + 1);
 }
 
 /// Removes what has become nothing.
@@ -149,38 +161,49 @@ void Cascade::pull(const Level& fine, Level& coarse) {
   }
 }
 
-/// Boxes of bricks, one a tile, that hold every node within reach of changed data or changed coarser shares.
-std::vector<AlignedBox3i> Cascade::stale_tiles(std::size_t l) const {
-  const AlignedBox3i& bricks = levels_[l].data.bricks();
-  const Vector3i extent_tiles = bricks.max().array() / kTileBricks + 1;
-  ChangedNodes stale(static_cast<std::size_t>(extent_tiles.prod()));  // of "nodes" that are bricks
+PassView Cascade::view(std::size_t p) const {
+  const std::size_t level = level_of(p);
+  return {&levels_[level].data, p == 0 ? nullptr : &passes_[p - 1].shares, p > 0 && level_of(p - 1) != level,
+          kFinestScreening * static_cast<float>(1u << (2 * level))};
+}
+
+/// Boxes of bricks, one a tile, that hold every node within reach of changed data or of changed shares started from.
+std::vector<AlignedBox3i> Cascade::stale_tiles(std::size_t p) const {
+  const Level& level = levels_[level_of(p)];
+  const AlignedBox3i& bricks = level.data.bricks();
+  const Vector3i tiles = bricks.max().array() / kTileBricks + 1;
+  ChangedNodes stale(static_cast<std::size_t>(tiles.prod()));  // of "nodes" that are bricks
   const auto reach = [&](const AlignedBox3i& nodes) {
     const AlignedBox3i near =
         AlignedBox3i(brick_of(nodes.min().array() - kSweeps), brick_of(nodes.max().array() + kSweeps))
             .intersection(bricks);
     for_each_in({near.min() / kTileBricks, near.max() / kTileBricks}, [&](const Vector3i& t) {
       const AlignedBox3i tile(kTileBricks * t, (kTileBricks * t).array() + (kTileBricks - 1));
-      const int index = t.x() + extent_tiles.x() * (t.y() + extent_tiles.y() * t.z());
+      const int index = t.x() + tiles.x() * (t.y() + tiles.y() * t.z());
       stale.extend(static_cast<std::size_t>(index), near.intersection(tile));
     });
   };
-  for (const std::size_t b : levels_[l].touched.bricks()) reach(levels_[l].touched.box(b));
-  if (l + 1 < kLevels)
-    for (const RenewedNodes& renewed : levels_[l + 1].renewed) {
-      const AlignedBox3i coarse = extent(levels_[l + 1].data.brick(renewed.brick), renewed.nodes);
-      reach({2 * coarse.min().array() - 1, 2 * coarse.max().array() + 2});
-    }
+  for (const std::size_t b : level.touched.bricks()) reach(level.touched.box(b));
+  if (p > 0)
+    for (const RenewedNodes& renewed : passes_[p - 1].renewed)
+      for_each_in(nodes_of(passes_[p - 1].shares.brick(renewed.brick)), [&](const Vector3i& node) {
+        if (!renewed.nodes.test(node_index(node.x(), node.y(), node.z()))) return;
+        if (view(p).from_coarser) {
+          reach({2 * node.array() - 1, 2 * node.array() + 2});
+        } else {
+          reach({node, node});
+        }
+      });
   std::vector<AlignedBox3i> boxes;
   for (const std::size_t t : stale.bricks()) boxes.push_back(stale.box(t));
   return boxes;
 }
 
-void Cascade::solve_tile(std::size_t l, const AlignedBox3i& bricks, TileSolver& solver,
+void Cascade::solve_tile(std::size_t p, const AlignedBox3i& bricks, TileSolver& solver,
                          std::vector<RenewedNodes>& renewed) {
-  Level& level = levels_[l];
-  const float screening = kFinestScreening * static_cast<float>(1u << (2 * l));
-  const int rounding = l == 0 ? 1 : kCoarseRounding;
-  solver.set_tile({&level.data, l + 1 < kLevels ? &levels_[l + 1].shares : nullptr, screening, rounding}, bricks);
+  Pass& pass = passes_[p];
+  const bool last_pass = p + 1 == passes_.size();
+  solver.set_tile(view(p), bricks);
   std::vector<std::unique_ptr<NodeShares>> fresh(static_cast<std::size_t>((bricks.sizes().array() + 1).prod()));
   for (const Label label : solver.labels()) {
     solver.solve(label);
@@ -188,7 +211,8 @@ void Cascade::solve_tile(std::size_t l, const AlignedBox3i& bricks, TileSolver& 
     std::size_t at = 0;
     for_each_in(bricks, [&](const Vector3i& b) {
       std::unique_ptr<NodeShares>& shares = fresh[at++];
-      if (!solver.store(b, row)) return;
+      const bool any = last_pass ? solver.store(b, row, RoundResult{}) : solver.store(b, row, RoundBetween{});
+      if (!any) return;
       if (!shares) shares = std::make_unique<NodeShares>();
       shares->of_label.find_or_add(label) = row;
     });
@@ -196,24 +220,24 @@ void Cascade::solve_tile(std::size_t l, const AlignedBox3i& bricks, TileSolver& 
   std::size_t at = 0;
   for_each_in(bricks, [&](const Vector3i& b) {
     std::unique_ptr<NodeShares>& shares = fresh[at++];
-    std::unique_ptr<NodeShares>& held = level.shares[level.shares.index(b)];
-    if (shares) finish(*shares);
+    std::unique_ptr<NodeShares>& held = pass.shares[pass.shares.index(b)];
+    if (shares && last_pass) finish(*shares);
     const auto nodes = difference(held.get(), shares.get());
     if (nodes.none()) return;
     held = std::move(shares);
-    renewed.push_back({level.shares.index(b), nodes});
+    renewed.push_back({pass.shares.index(b), nodes});
   });
 }
 
-void Cascade::solve_level(std::size_t l, int threads) {
-  const std::vector<AlignedBox3i> tiles = stale_tiles(l);
+void Cascade::run(std::size_t p, int threads) {
+  const std::vector<AlignedBox3i> tiles = stale_tiles(p);
   std::vector<std::vector<RenewedNodes>> renewed(tiles.size());
   std::atomic<std::size_t> next{0};
   parallel_for(static_cast<std::size_t>(threads), 1, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t thread = first; thread < last; ++thread)
-      for (std::size_t t = next++; t < tiles.size(); t = next++) solve_tile(l, tiles[t], solvers_[thread], renewed[t]);
+      for (std::size_t t = next++; t < tiles.size(); t = next++) solve_tile(p, tiles[t], solvers_[thread], renewed[t]);
   });
-  std::vector<RenewedNodes>& all = levels_[l].renewed;
+  std::vector<RenewedNodes>& all = passes_[p].renewed;
   all.clear();
   for (const auto& part : renewed) all.insert(all.end(), part.begin(), part.end());
   std::sort(all.begin(), all.end(), [](const RenewedNodes& a, const RenewedNodes& b) { return a.brick < b.brick; });
@@ -225,20 +249,21 @@ const std::vector<RenewedNodes>& Cascade::solve(int threads) {
     tidy(levels_[l]);
     if (l + 1 < kLevels) pull(levels_[l], levels_[l + 1]);
   }
-  for (std::size_t l = kLevels; l-- > 0;) solve_level(l, threads);
+  for (std::size_t p = 0; p < passes_.size(); ++p) run(p, threads);
   for (Level& level : levels_) level.touched.clear();
-  return levels_.front().renewed;
+  return passes_.back().renewed;
 }
 
 std::size_t Cascade::memory_bytes() const {
   std::size_t bytes = 0;
   for (const Level& level : levels_)
-    for (std::size_t b = 0; b < level.data.capacity(); ++b) {
+    for (std::size_t b = 0; b < level.data.capacity(); ++b)
       if (const auto& data = level.data[b])
         bytes += sizeof *data + data->of_label.rows.capacity() * sizeof(LabelRows<std::uint32_t>::Row);
-      if (const auto& shares = level.shares[b])
+  for (const Pass& pass : passes_)
+    for (std::size_t b = 0; b < pass.shares.capacity(); ++b)
+      if (const auto& shares = pass.shares[b])
         bytes += sizeof *shares + shares->of_label.rows.capacity() * sizeof(LabelRows<std::uint16_t>::Row);
-    }
   return bytes;
 }
 

@@ -25,7 +25,7 @@ class Cascade {
   [[nodiscard]] const BrickTable<NodeData>& data() const { return levels_.front().data; }
   /// Where the caller notes which nodes' data it changed.
   [[nodiscard]] ChangedNodes& touched() { return levels_.front().touched; }
-  [[nodiscard]] const BrickTable<NodeShares>& shares() const { return levels_.front().shares; }
+  [[nodiscard]] const BrickTable<NodeShares>& shares() const { return passes_.back().shares; }
 
   /// @return what changed on the finest level, by ascending brick; valid until the next call
   const std::vector<RenewedNodes>& solve(int threads);
@@ -34,20 +34,27 @@ class Cascade {
 
  private:
   struct Level {
-    explicit Level(const Eigen::Vector3i& nodes) : data(nodes), shares(nodes), touched(data.capacity()) {}
+    explicit Level(const Eigen::Vector3i& nodes) : data(nodes), touched(data.capacity()) {}
     BrickTable<NodeData> data;
+    ChangedNodes touched;  ///< of which the data changed
+  };
+  /// Half of the sweeps of a level.
+  struct Pass {
+    explicit Pass(const Eigen::Vector3i& nodes) : shares(nodes) {}
     BrickTable<NodeShares> shares;
-    ChangedNodes touched;               ///< of which the data changed
     std::vector<RenewedNodes> renewed;  ///< by ascending brick
   };
-  void tidy(Level& level);
-  void pull(const Level& fine, Level& coarse);
-  [[nodiscard]] std::vector<Eigen::AlignedBox3i> stale_tiles(std::size_t level) const;
-  void solve_level(std::size_t level, int threads);
-  void solve_tile(std::size_t level, const Eigen::AlignedBox3i& bricks, TileSolver& solver,
+  static void tidy(Level& level);
+  static void pull(const Level& fine, Level& coarse);
+  [[nodiscard]] PassView view(std::size_t pass) const;
+  [[nodiscard]] std::vector<Eigen::AlignedBox3i> stale_tiles(std::size_t pass) const;
+  void run(std::size_t pass, int threads);
+  void solve_tile(std::size_t pass, const Eigen::AlignedBox3i& bricks, TileSolver& solver,
                   std::vector<RenewedNodes>& renewed);
+  [[nodiscard]] std::size_t level_of(std::size_t pass) const { return levels_.size() - 1 - pass / 2; }
 
   std::deque<Level> levels_;         ///< fine to coarse
+  std::deque<Pass> passes_;          ///< in the order they run: two for every level, coarse to fine
   std::vector<TileSolver> solvers_;  ///< [#threads]
 };
 

@@ -8,8 +8,7 @@
 
 namespace sonoloft {
 
-/// A node this heavy has a slice within about 0.6 spacings, and every slice has such a node within 0.9 of each of its
-/// points.
+/// A node this heavy has a slice within about 0.6 spacings.
 inline constexpr std::uint32_t kSeenWeight = kWeightUnit * 2 / 5;
 
 /// Distance of points to the nearest node with kSeenWeight, in spacings, at most `reach`.

@@ -21,14 +21,14 @@ std::size_t count(const AlignedBox3i& box) {
   return static_cast<std::size_t>((box.sizes().array() + 1).prod());
 }
 
-/// Relaxation of each sweep: the roots of the Chebyshev polynomial that is small on [0.1, 2], where the eigenvalues lie
-/// of errors too fine for the coarser levels; from both ends in turn, so that rounding does not grow.
-const std::array<float, kSweeps>& relaxations() {
-  static const std::array<float, kSweeps> all = [] {
-    std::array<float, kSweeps> r{};
-    for (int k = 0; k < kSweeps; ++k) {
-      const int root = k % 2 == 0 ? k / 2 : kSweeps - 1 - k / 2;
-      const double angle = std::numbers::pi * (2 * root + 1) / (2 * kSweeps);
+/// Relaxation of each sweep of a level: the roots of the Chebyshev polynomial that is small on [0.1, 2], where the
+/// eigenvalues lie of errors too fine for the coarser levels; from both ends in turn, so that rounding does not grow.
+const std::array<float, 2 * kSweeps>& relaxations() {
+  static const std::array<float, 2 * kSweeps> all = [] {
+    std::array<float, 2 * kSweeps> r{};
+    for (int k = 0; k < 2 * kSweeps; ++k) {
+      const int root = k % 2 == 0 ? k / 2 : 2 * kSweeps - 1 - k / 2;
+      const double angle = std::numbers::pi * (2 * root + 1) / (4 * kSweeps);
       r[static_cast<std::size_t>(k)] = static_cast<float>(1 / (1.05 + 0.95 * std::cos(angle)));
     }
     return r;
@@ -36,9 +36,9 @@ const std::array<float, kSweeps>& relaxations() {
   return all;
 }
 
-/// One row of a sweep; the neighbours in y and z lie the strides away.
-void relax_row(const float* now, const float* inverse, const float* source, float* next, std::size_t length,
-               std::size_t stride_y, std::size_t stride_z, float relaxation) {
+/// A sweep over nodes in a row; their neighbours in y and z lie the strides away.
+void relax(const float* now, const float* inverse, const float* source, float* next, std::size_t length,
+           std::size_t stride_y, std::size_t stride_z, float relaxation) {
   const float *below = now - stride_y, *above = now + stride_y, *before = now - stride_z, *behind = now + stride_z;
   const float *left = now - 1, *right = now + 1;
   for (std::size_t i = 0; i < length; ++i) {
@@ -63,20 +63,13 @@ void refine(const float* in, float* out, std::size_t planes, std::size_t n_coars
 
 }  // namespace
 
-template <class Visit>
-void TileSolver::for_each_row(const AlignedBox3i& box, Visit visit) const {
-  if (box.isEmpty()) return;
-  const auto length = static_cast<std::size_t>(box.sizes().x() + 1);
-  for (int z = box.min().z(); z <= box.max().z(); ++z)
-    for (int y = box.min().y(); y <= box.max().y(); ++y) visit(Vector3i(box.min().x(), y, z), length);
-}
-
-void TileSolver::set_tile(const LevelView& level, const AlignedBox3i& bricks) {
-  level_ = level;
+void TileSolver::set_tile(const PassView& pass, const AlignedBox3i& bricks) {
+  pass_ = pass;
   region_ = grown({nodes_of(bricks.min()).min(), nodes_of(bricks.max()).max()}, kSweeps);
-  // One coarse node more on each side; region_ starts at an even node, the refined rows one before.
-  coarse_ = {region_.min().unaryExpr([](int i) { return (i >> 1) - 1; }),
-             region_.max().unaryExpr([](int i) { return (i >> 1) + 1; })};
+  coarse_ = region_;
+  if (pass.from_coarser)  // and one node more on each side; region_ starts at an even node
+    coarse_ = {region_.min().unaryExpr([](int i) { return (i >> 1) - 1; }),
+               region_.max().unaryExpr([](int i) { return (i >> 1) + 1; })};
   const Vector3i size = region_.sizes().array() + 1;
   stride_y_ = static_cast<std::size_t>(size.x());
   stride_z_ = stride_y_ * static_cast<std::size_t>(size.y());
@@ -89,11 +82,11 @@ void TileSolver::find_labels() {
   labels_.clear();
   const auto take = [&](const std::vector<Label>& found) { labels_.insert(labels_.end(), found.begin(), found.end()); };
   for_each_in(bricks_around(region_), [&](const Vector3i& b) {
-    if (const NodeData* data = level_.data->find(b)) take(data->of_label.labels);
+    if (const NodeData* data = pass_.data->find(b)) take(data->of_label.labels);
   });
-  if (level_.coarser != nullptr)
+  if (pass_.before != nullptr)
     for_each_in(bricks_around(coarse_), [&](const Vector3i& b) {
-      if (const NodeShares* shares = level_.coarser->find(b)) take(shares->of_label.labels);
+      if (const NodeShares* shares = pass_.before->find(b)) take(shares->of_label.labels);
     });
   std::sort(labels_.begin(), labels_.end());
   labels_.erase(std::unique(labels_.begin(), labels_.end()), labels_.end());
@@ -101,44 +94,41 @@ void TileSolver::find_labels() {
 
 void TileSolver::fill_diagonal() {
   std::fill(inverse_.begin(), inverse_.end(), 0.0f);
-  for_each_row(region_.intersection(level_.data->nodes()), [&](const Vector3i& node, std::size_t length) {
-    std::fill_n(inverse_.begin() + static_cast<std::ptrdiff_t>(at(node)), length, 1 / (6 + level_.screening));
+  for_each_row(region_.intersection(pass_.data->nodes()), [&](const Vector3i& node, std::size_t length) {
+    std::fill_n(inverse_.begin() + static_cast<std::ptrdiff_t>(at(node)), length, 1 / (6 + pass_.screening));
   });
   for_each_in(bricks_around(region_), [&](const Vector3i& b) {
-    const NodeData* data = level_.data->find(b);
+    const NodeData* data = pass_.data->find(b);
     if (data == nullptr) return;
     for_each_row(nodes_of(b).intersection(region_), [&](const Vector3i& node, std::size_t length) {
       const std::uint32_t* weight = data->weight.data() + node_index(node.x(), node.y(), node.z());
       float* out = inverse_.data() + at(node);
       for (std::size_t i = 0; i < length; ++i)
         if (weight[i] != 0)
-          out[i] = 1 / (6 + level_.screening + kDataStiffness / kWeightUnit * static_cast<float>(weight[i]));
+          out[i] = 1 / (6 + pass_.screening + kDataStiffness / kWeightUnit * static_cast<float>(weight[i]));
     });
   });
 }
 
-void TileSolver::gather_coarse(Label label) {
-  coarse_shares_.assign(count(coarse_), 0.0f);
+void TileSolver::gather(Label label, std::vector<float>& out) const {
+  out.assign(count(coarse_), 0.0f);
   const Vector3i size = coarse_.sizes().array() + 1;
   for_each_in(bricks_around(coarse_), [&](const Vector3i& b) {
-    const NodeShares* shares = level_.coarser->find(b);
+    const NodeShares* shares = pass_.before->find(b);
     const auto* row = shares == nullptr ? nullptr : shares->of_label.find(label);
     if (row == nullptr) return;
-    for_each_in(nodes_of(b).intersection(coarse_), [&](const Vector3i& node) {
+    for_each_row(nodes_of(b).intersection(coarse_), [&](const Vector3i& node, std::size_t length) {
       const Vector3i p = node - coarse_.min();
-      coarse_shares_[static_cast<std::size_t>(p.x() + size.x() * (p.y() + size.y() * p.z()))] =
-          static_cast<float>((*row)[node_index(node.x(), node.y(), node.z())]) / kShareUnit;
+      const std::uint16_t* from = row->data() + node_index(node.x(), node.y(), node.z());
+      float* to = out.data() + (p.x() + size.x() * (p.y() + size.y() * p.z()));
+      for (std::size_t i = 0; i < length; ++i) to[i] = static_cast<float>(from[i]) / kShareUnit;
     });
   });
 }
 
-/// The start: the coarser level's shares, trilinear; 0 beyond the lattice.
+/// The start of a level: the coarser level's shares, trilinear; 0 beyond the lattice.
 void TileSolver::push(Label label) {
-  if (level_.coarser == nullptr) {
-    std::fill(now_.begin(), now_.end(), 0.0f);
-    return;
-  }
-  gather_coarse(label);
+  gather(label, coarse_shares_);
   const auto coarse = (coarse_.sizes().array() + 1).cast<std::size_t>().eval();
   const auto fine = (region_.sizes().array() + 1).cast<std::size_t>().eval();
   along_x_.resize(fine.x() * coarse.y() * coarse.z());
@@ -146,18 +136,18 @@ void TileSolver::push(Label label) {
   refine(coarse_shares_.data(), along_x_.data(), coarse.y() * coarse.z(), coarse.x(), fine.x(), 1);
   refine(along_x_.data(), along_y_.data(), coarse.z(), coarse.y(), fine.y(), fine.x());
   refine(along_y_.data(), now_.data(), 1, coarse.z(), fine.z(), fine.x() * fine.y());
-  if (level_.data->nodes().contains(region_)) return;
+  if (pass_.data->nodes().contains(region_)) return;
   for_each_in(region_, [&](const Vector3i& node) {
-    if (!level_.data->nodes().contains(node)) now_[at(node)] = 0;
+    if (!pass_.data->nodes().contains(node)) now_[at(node)] = 0;
   });
 }
 
-/// Where there are data, the start is drawn to them.
+/// The data of the label; the start of a level is drawn to them.
 void TileSolver::apply_data(Label label) {
   static constexpr LabelRows<std::uint32_t>::Row kNone{};
   std::fill(source_.begin(), source_.end(), 0.0f);
   for_each_in(bricks_around(region_), [&](const Vector3i& b) {
-    const NodeData* data = level_.data->find(b);
+    const NodeData* data = pass_.data->find(b);
     if (data == nullptr) return;
     const auto* found = data->of_label.find(label);
     const auto& row = found == nullptr ? kNone : *found;
@@ -168,6 +158,7 @@ void TileSolver::apply_data(Label label) {
         if (weight == 0) continue;
         const auto of_label = static_cast<float>(row[first + i]);
         source_[out + i] = kDataStiffness / kWeightUnit * of_label;
+        if (!first_of_level()) continue;
         const auto capped = static_cast<float>(std::min(weight, kWeightUnit)) / kWeightUnit;
         now_[out + i] += capped * (of_label / static_cast<float>(weight) - now_[out + i]);
       }
@@ -176,32 +167,26 @@ void TileSolver::apply_data(Label label) {
 }
 
 void TileSolver::solve(Label label) {
-  push(label);
+  if (pass_.from_coarser) {
+    push(label);
+  } else if (pass_.before != nullptr) {
+    gather(label, now_);
+  } else {
+    std::fill(now_.begin(), now_.end(), 0.0f);
+  }
   apply_data(label);
   for (int k = 0; k < kSweeps; ++k) {
-    const float relaxation = relaxations()[static_cast<std::size_t>(k)];
-    // Each sweep is right one node less far out than the one before.
-    for_each_row(grown(region_, -k - 1), [&](const Vector3i& node, std::size_t length) {
-      const std::size_t i = at(node);
-      relax_row(&now_[i], &inverse_[i], &source_[i], &next_[i], length, stride_y_, stride_z_, relaxation);
-    });
+    const float relaxation = relaxations()[static_cast<std::size_t>(first_of_level() ? k : kSweeps + k)];
+    // Each sweep is right one node less far out than the one before. Rows run on into the next: what that makes of the
+    // ends is not used.
+    const AlignedBox3i right = grown(region_, -k - 1);
+    for (int z = right.min().z(); z <= right.max().z(); ++z) {
+      const std::size_t first = at({right.min().x(), right.min().y(), z});
+      const std::size_t length = at({right.max().x(), right.max().y(), z}) + 1 - first;
+      relax(&now_[first], &inverse_[first], &source_[first], &next_[first], length, stride_y_, stride_z_, relaxation);
+    }
     std::swap(now_, next_);
   }
-}
-
-bool TileSolver::store(const Vector3i& brick, LabelRows<std::uint16_t>::Row& out) const {
-  const float steps = static_cast<float>(kShareUnit) / static_cast<float>(level_.rounding);
-  int any = 0;
-  for_each_row(nodes_of(brick), [&](const Vector3i& node, std::size_t length) {
-    const float* from = &now_[at(node)];
-    std::uint16_t* to = out.data() + node_index(node.x(), node.y(), node.z());
-    for (std::size_t i = 0; i < length; ++i) {
-      const int rounded = static_cast<int>(std::clamp(from[i], 0.0f, 1.0f) * steps + 0.5f) * level_.rounding;
-      to[i] = static_cast<std::uint16_t>(rounded);
-      any |= rounded;
-    }
-  });
-  return any != 0;
 }
 
 }  // namespace sonoloft

@@ -15,7 +15,7 @@ namespace sonoloft {
 struct ChunkConfidence {
   std::vector<float> measured;     ///< [#V] 0..1: share of the field here that slices had, the rest is background;
                                    ///< trilinear between the samples around the vertex
-  std::vector<float> distance_mm;  ///< [#V] to the nearest known part of a slice, off by at most 0.9 spacings of the
+  std::vector<float> distance_mm;  ///< [#V] to the nearest known part of a slice, off by at most 1.2 spacings of the
                                    ///< background; farther than 8 of them is not told apart
 };
 

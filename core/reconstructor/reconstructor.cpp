@@ -12,6 +12,7 @@
 
 #include "core/background/background.h"
 #include "core/cells/cell_complex.h"
+#include "core/completion/published_completion.h"
 #include "core/gpu/make_evaluator.h"
 #include "core/mesh/surface_extractor.h"
 #include "core/octree/sample_octree.h"
@@ -33,6 +34,7 @@ constexpr double kMaxLatticePoints = 1 << 18;
 /// Finer backgrounds, as a share of the box, are slow and say no more.
 constexpr double kFinestBackground = 1e-3;
 constexpr double kBackgroundNodes = 64;  ///< in an object, for recorded slices
+constexpr double kCornerSpacing = 2;     ///< of the published completion, in spacings of the background
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -49,6 +51,9 @@ Result<void> check(const ReconstructorOptions& o) {
   if (!(o.background_mm >= kFinestBackground * o.box.sizes().maxCoeff()) || !std::isfinite(o.background_mm))
     return fail(ErrorCode::invalid_argument,
                 "the background's spacing must be a number of mm, at least 1e-3 of the longest side of the box");
+  if (o.completion == Completion::published && o.admission != Admission::everything)
+    return fail(ErrorCode::invalid_argument, "the published completion is for Admission::everything");
+  if (o.hops && *o.hops < 1) return fail(ErrorCode::invalid_argument, "hops must be at least 1");
   if (o.threads < 1) return fail(ErrorCode::invalid_argument, "threads must be at least 1");
   return {};
 }
@@ -83,6 +88,8 @@ struct Reconstructor::State {
   CellAdmission admission;
   std::vector<std::uint64_t> slice_ids;  ///< [SliceId] TrackedSlice::id
   std::optional<Background> background;  ///< once there is a need
+  std::optional<PublishedCompletion> completion;
+  bool completion_due = false;
   std::array<Level, 2> levels;           ///< [Detail]
   Detail shown = Detail::full;           ///< by the last update()
 
@@ -92,6 +99,23 @@ struct Reconstructor::State {
   void make_background() {
     background.emplace(options.box, options.background_mm);
     for (const SliceId slice : cells.slices()) background->add(cells.section(slice));
+  }
+
+  void complete() {
+    completion.emplace(cells, options.hops, kCornerSpacing * options.background_mm, options.threads);
+    completion_due = false;
+    for (Level& l : levels) l.octree.note(completion->cells());
+  }
+  [[nodiscard]] UnmeasuredFill fill() const {
+    if (completion)
+      return [this](CellId cell, std::span<const Eigen::Vector3d> points, PointShares& out) {
+        completion->shares(cell, points, out);
+      };
+    if (background)
+      return [this](CellId, std::span<const Eigen::Vector3d> points, PointShares& out) {
+        background->shares(points, out);
+      };
+    return {};
   }
 
   [[nodiscard]] Result<CellAdmission::Widths> judge(const Section& section) {
@@ -121,6 +145,7 @@ Result<ReconstructorOptions> options_for(std::span<const TrackedSlice> slices, i
   options.box = {extent.min() - Eigen::Vector3d::Constant(longest), extent.max() + Eigen::Vector3d::Constant(longest)};
   options.spacing_mm = 1.1 * longest / std::exp2(depth);
   options.background_mm = 1.1 * longest / kBackgroundNodes;
+  options.admission = Admission::everything;
   return options;
 }
 
@@ -150,6 +175,7 @@ Result<InsertReport> Reconstructor::add(const TrackedSlice& slice) {
   if (!delta) return tl::unexpected<Error>(delta.error());
   for (Level& level : s.levels) level.octree.note(s.cells, *delta);
   if (s.background) s.background->add(s.cells.section(delta->slice));
+  s.completion_due = s.options.completion == Completion::published;
   s.slice_ids.push_back(slice.id);
   report.cells_reached = delta->reached;
   report.cells_cut = static_cast<std::uint32_t>(delta->lower.size());
@@ -172,6 +198,7 @@ Result<void> Reconstructor::withdraw(std::uint64_t id) {
     return fail(ErrorCode::invalid_argument,
                 "no slice " + std::to_string(id) + " is held: it was refused, or withdrawn before");
   if (s.background) s.background->remove(s.cells.section(*found));
+  s.completion_due = s.options.completion == Completion::published;
   const CellComplex::Withdrawal withdrawal = s.cells.withdraw(*found);
   for (Level& level : s.levels) level.octree.note(s.cells, withdrawal);
   for (const SliceId slice : held) {
@@ -195,11 +222,12 @@ Result<UpdateReport> Reconstructor::update(Detail detail) {
     const auto start = Clock::now();
     const auto changes = s.background->update(s.options.threads);
     for (Level& level : s.levels) level.octree.note(*s.background, changes);
+    if (s.completion_due) s.complete();
     report.background_ms = ms_since(start);
   }
   Level& level = s.level(detail);
   s.shown = detail;
-  auto change = level.octree.update(s.cells, *s.evaluator, s.background ? &*s.background : nullptr, s.options.threads);
+  auto change = level.octree.update(s.cells, *s.evaluator, s.fill(), s.options.threads);
   if (!change) return tl::unexpected<Error>(change.error());
   report.samples_evaluated = change->evaluated;
   report.edge_evaluations = change->edge_evaluations;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,19 +25,28 @@ enum class Admission : std::uint8_t {
                ///< for sweeps of any length
 };
 
+/// What fills the share of the field that no slice measured.
+enum class Completion : std::uint8_t {
+  background,  ///< one function for all of space (Background)
+  published,   ///< patches on the unknown parts of walls (PublishedCompletion), made anew by every update() after a
+               ///< change: seconds to minutes, for comparison and for recorded sets of few slices
+};
+
 struct ReconstructorOptions {
   Eigen::AlignedBox3d box;     ///< the space of the scan, reference, mm; its walls are outside of every object, so
                                ///< keep it about one object larger than the object on every side
   double spacing_mm = 0;       ///< edge of a finest cell: what is finer than this is not drawn; > 0
   double background_mm = 2.5;  ///< node spacing of the background, which fills what no slice shows: about a 60th of the
                                ///< object; of `news`, how much of it counts is measured in it too; > 0
-  Admission admission = Admission::everything;
+  Admission admission = Admission::news;
+  Completion completion = Completion::background;  ///< `published` needs Admission::everything
+  std::optional<int> hops;  ///< of `published`: how many unknown walls away cells are asked, >= 1; none: all of them
   DeviceChoice device = DeviceChoice::automatic;
   int threads = 1;                                   ///< >= 1; results do not depend on it
   std::function<void(const std::string& line)> log;  ///< one line on the chosen device; may be empty
 };
 
-/// Box and spacings for recorded slices: the box of all contours, widened by its longest side on every side, a spacing
+/// For recorded slices, each of which is to be interpolated: the box of all contours, widened by its longest side on every side, a spacing
 /// of 1.1 longest sides / 2^depth, and a background of 1.1 longest sides / 64.
 /// @pre  2 <= depth <= 12
 /// @error empty_input (no contour in any slice)
@@ -74,7 +84,8 @@ struct UpdateReport {
   std::size_t edge_evaluations = 0;  ///< edges of cells summed for these samples
   std::size_t bricks_smoothed = 0;
   std::size_t chunks_rebuilt = 0;
-  double background_ms = 0, field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;
+  double background_ms = 0;  ///< or that of the completion
+  double field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;
 };
 
 /// Size of the reconstruction now.

@@ -74,6 +74,7 @@ inline ScanOptions ball_scan_options() {
   ScanOptions options;
   options.reconstructor.box = {Eigen::Vector3d::Constant(-60), Eigen::Vector3d::Constant(60)};
   options.reconstructor.spacing_mm = 2;
+  options.reconstructor.admission = Admission::everything;
   options.reconstructor.device = DeviceChoice::cpu;
   options.stream.mode = device::StreamMode::lossless;
   options.queue_capacity = 2;

@@ -3,39 +3,23 @@
 #include <doctest/doctest.h>
 
 #include <array>
-#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 
 #include "tests/support/field_cells.h"
+#include "tests/support/region_quadrature.h"
 
 using namespace sonoloft;
-using boost::math::quadrature::gauss_kronrod;
 
 namespace {
 
-/// The integral of h / |y - x|^4 over the triangle (foot, a, b), signed by its orientation: y = s (a + t (b - a)).
-/// Adaptive in both directions; nothing of the closed form is used.
-double triangle_integral(const FaceEdge& edge, const Eigen::Vector2d& foot, double height) {
-  const Eigen::Vector2d a = edge.a - foot, e = edge.b - edge.a;
-  const double twice_area = a.x() * e.y() - a.y() * e.x();
-  const auto ray = [&](double t) {
-    const double radius2 = (a + t * e).squaredNorm();
-    const auto along = [&](double s) {
-      const double distance2 = s * s * radius2 + height * height;
-      return height * s / (distance2 * distance2);
-    };
-    return gauss_kronrod<double, 21>::integrate(along, 0.0, 1.0, 15, 1e-11);
-  };
-  return twice_area * gauss_kronrod<double, 21>::integrate(ray, 0.0, 1.0, 15, 1e-11);
-}
-
 double label_integral(const test::FieldCell& cell, const Eigen::Vector3d& point, Label label) {
+  const auto everywhere = [](const Eigen::Vector2d&) { return 1.0; };
   double sum = 0;
   for (const test::Wall& wall : cell.walls()) {
     const Eigen::Vector3d p = wall.frame.inverse() * point;
     for (const FaceEdge& edge : wall.polygon) {
       if (edge.left != label && edge.right != label) continue;
-      const double integral = triangle_integral(edge, p.head<2>(), std::abs(p.z()));
+      const double integral = test::triangle_integral(edge.a, edge.b, p.head<2>(), std::abs(p.z()), everywhere);
       sum += edge.left == label ? integral : -integral;
     }
   }

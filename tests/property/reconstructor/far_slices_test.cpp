@@ -65,6 +65,7 @@ Counters one_more(int far_slices, Order order) {
   ReconstructorOptions options;
   options.box = {Eigen::Vector3d::Constant(-200), Eigen::Vector3d::Constant(200)};
   options.spacing_mm = 1.5;
+  options.admission = Admission::everything;
   options.device = DeviceChoice::cpu;
   auto reconstructor = Reconstructor::create(options);
   REQUIRE(reconstructor);

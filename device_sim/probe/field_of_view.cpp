@@ -33,16 +33,6 @@ void cast_shadow(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double firs
   }
 }
 
-bool encloses(std::span<const Eigen::Vector2d> loop, const Eigen::Vector2d& p) {
-  bool inside = false;
-  for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
-    const Eigen::Vector2d &a = loop[j], &b = loop[i];
-    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()))
-      inside = !inside;
-  }
-  return inside;
-}
-
 bool cross_or_touch(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
                     const Eigen::Vector2d& d) {
   const auto side = [](double area) { return area > 0 ? 1 : area < 0 ? -1 : 0; };
@@ -55,6 +45,26 @@ Eigen::AlignedBox2d box_around(std::span<const Eigen::Vector2d> points) {
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& p : points) box.extend(p);
   return box;
+}
+
+/// Points of a line, both ends among them, from which no other is farther than `tolerance_mm`: between two kept ones as
+/// many are left out as possible.
+std::vector<Eigen::Vector2d> thinned(std::span<const Eigen::Vector2d> line, double tolerance_mm) {
+  std::vector<Eigen::Vector2d> kept{line[0]};
+  const auto near_chord = [&](const Eigen::Vector2d& p, const Eigen::Vector2d& end) {
+    const Eigen::Vector2d chord = end - kept.back();
+    const double along = std::clamp((p - kept.back()).dot(chord) / chord.squaredNorm(), 0.0, 1.0);
+    return (p - kept.back() - along * chord).norm() <= tolerance_mm;
+  };
+  std::size_t first = 1;  // of those left out
+  for (std::size_t i = 2; i < line.size(); ++i) {
+    const auto left_out = line.subspan(first, i - first);
+    if (std::all_of(left_out.begin(), left_out.end(), [&](const auto& p) { return near_chord(p, line[i]); })) continue;
+    kept.push_back(line[i - 1]);
+    first = i;
+  }
+  kept.push_back(line.back());
+  return kept;
 }
 
 }  // namespace
@@ -75,26 +85,45 @@ Sector covering_sector(const Eigen::AlignedBox3d& bounds_mm, const Trajectory& t
 }
 
 std::vector<Eigen::Vector2d> field_of_view(const Sector& sector, const PhantomSection& section,
-                                           std::span<const Label> shadowing) {
-  constexpr double kStep = std::numbers::pi / 180;
-  const auto parts = static_cast<std::size_t>(std::max(1.0, std::ceil(2 * sector.half_angle_rad / kStep)));
-  const double step = 2 * sector.half_angle_rad / static_cast<double>(parts);
-  std::vector<double> reach_mm(parts + 1, sector.far_mm);
+                                           std::span<const Label> shadowing, const Contact& contact) {
+  constexpr double kStep = std::numbers::pi / 360;
+  constexpr double kThinning = 1.0 / 2000;
+  const double parts = std::max(2.0, std::ceil(2 * sector.half_angle_rad / kStep));
+  const double step = 2 * sector.half_angle_rad / parts;
+  std::vector<double> reach_mm(static_cast<std::size_t>(parts) + 1, sector.far_mm);
   for (const SectionLoop& loop : section.loops) {
     if (loop.hole || std::find(shadowing.begin(), shadowing.end(), loop.label) == shadowing.end()) continue;
     const Eigen::Vector2d* p = &section.points[loop.first];
     for (std::uint32_t i = 0; i < loop.count; ++i)
       cast_shadow(p[i], p[(i + 1) % loop.count], -sector.half_angle_rad, step, sector.near_mm, reach_mm);
   }
-  const auto ray = [&](std::size_t k) {
+  // One beam at least has contact.
+  const auto first = static_cast<std::size_t>(std::min(parts - 1, std::ceil(contact.first * parts)));
+  const auto last = std::max(first + 1, static_cast<std::size_t>(std::floor(contact.last * parts)));
+  std::vector<Eigen::Vector2d> far, near;
+  for (std::size_t k = first; k <= last; ++k) {
     const double a = -sector.half_angle_rad + static_cast<double>(k) * step;
-    return Eigen::Vector2d(std::sin(a), std::cos(a));
-  };
-  std::vector<Eigen::Vector2d> polygon;
-  for (std::size_t k = 0; k <= parts; ++k) polygon.push_back(reach_mm[k] * ray(k));
-  if (sector.near_mm == 0) polygon.push_back(Eigen::Vector2d::Zero());
-  for (std::size_t k = parts + 1; k-- > 0 && sector.near_mm > 0;) polygon.push_back(sector.near_mm * ray(k));
+    const Eigen::Vector2d beam(std::sin(a), std::cos(a));
+    far.push_back(reach_mm[k] * beam);
+    near.push_back(sector.near_mm * beam);
+  }
+  std::reverse(near.begin(), near.end());
+  std::vector<Eigen::Vector2d> polygon = thinned(far, kThinning * sector.far_mm);
+  if (sector.near_mm == 0)
+    polygon.push_back(Eigen::Vector2d::Zero());
+  else
+    for (const Eigen::Vector2d& p : thinned(near, kThinning * sector.far_mm)) polygon.push_back(p);
   return polygon;
+}
+
+bool encloses(std::span<const Eigen::Vector2d> loop, const Eigen::Vector2d& p) {
+  bool inside = false;
+  for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
+    const Eigen::Vector2d &a = loop[j], &b = loop[i];
+    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()))
+      inside = !inside;
+  }
+  return inside;
 }
 
 bool overlaps(std::span<const Eigen::Vector2d> loop, std::span<const Eigen::Vector2d> polygon) {

@@ -28,7 +28,8 @@ struct SectionLoop {
 /// Frame: plane, mm.
 struct PhantomSection {
   std::vector<Eigen::Vector2d> points;
-  std::vector<SectionLoop> loops;  ///< loop i + 1 starts where loop i ends
+  std::vector<SectionLoop> loops;                ///< loop i + 1 starts where loop i ends
+  std::vector<Eigen::Vector2d> field_of_view{};  ///< of a recorded one, closed polygon; empty: the whole plane was seen
 };
 
 /// Anything that can be cut by a plane. Threads: const members may run together.
@@ -40,6 +41,11 @@ class SectionSource {
   /// The section with the plane z = 0 of the plane frame.
   /// @post all loops are closed, have at least 3 points and an area above 0
   [[nodiscard]] virtual PhantomSection section(const Eigen::Isometry3d& plane_to_reference) const = 0;
+  /// The same where only a window of the plane is looked at, which may cost less: beyond it loops may run as they like.
+  [[nodiscard]] virtual PhantomSection section_in(const Eigen::AlignedBox2d& /*window*/,
+                                                  const Eigen::Isometry3d& plane_to_reference) const {
+    return section(plane_to_reference);
+  }
 };
 
 /// A body whose label is known everywhere: the truth that a reconstruction is measured against.

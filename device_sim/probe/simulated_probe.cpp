@@ -1,10 +1,12 @@
 #include "device_sim/probe/simulated_probe.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 #include <utility>
+
+#include "device_sim/probe/label_noise.h"
 
 namespace sonoloft::device_sim {
 namespace {
@@ -27,7 +29,12 @@ std::string check(const ProbeOptions& o, const SectionSource* source, const Traj
                     within(o.sector->half_angle_rad, 1e-3, std::numbers::pi / 2)))
     return "probe: a sector needs 0 <= near < far and a half angle below 90 degrees";
   if (!o.sector && !o.shadowing.empty()) return "probe: shadows need a sector; give one";
-  if (!within(o.tracker_rms_mm, 0, 1000) || !within(o.tracker_rms_deg, 0, 180))
+  if (!o.sector && (o.wrong_share != 0 || o.contact_lost_share != 0))
+    return "probe: wrong labels and lost contact need a sector; give one";
+  if (!within(o.wrong_share, 0, 0.5) || !within(o.contact_lost_share, 0, 0.5))
+    return "probe: wrong labels and lost contact must be 0 to 0.5 of what is seen";
+  if (!within(o.wander_images, 1, 1e6)) return "probe: bias and contact must wander over 1 to 1000000 images";
+  if (!within(o.tracker_rms_mm, 0, 1000) || !within(o.tracker_bias_mm, 0, 1000) || !within(o.tracker_rms_deg, 0, 180))
     return "probe: the tracker's noise must be 0 to 1000 mm and 0 to 180 degrees";
   if (!within(o.dropout_share, 0, 0.5) || !within(o.dropout_images, 1, 1e6))
     return "probe: dropouts must be 0 to 0.5 of the images, in stretches of 1 image or more";
@@ -38,35 +45,6 @@ std::string check(const ProbeOptions& o, const SectionSource* source, const Traj
       return "probe: pose " + std::to_string(i) + " of the trajectory is not rigid; leave it out";
   return {};
 }
-
-/// A smooth random displacement of the plane: one and the same for all contours that share a point. Sum of plane waves
-/// whose directions have the spectrum of a Gaussian correlation; Rahimi and Recht 2007, "Random features".
-class Displacement {
- public:
-  Displacement(double rms_mm, double correlation_mm, Random& random) : amplitude_mm_(rms_mm / std::sqrt(kWaves)) {
-    for (Wave& wave : waves_) {
-      const Eigen::Vector3d n = random.normal3() / correlation_mm;
-      wave = {n.head<2>(), 2 * std::numbers::pi * random.uniform(), 2 * std::numbers::pi * random.uniform()};
-    }
-  }
-  [[nodiscard]] Eigen::Vector2d at(const Eigen::Vector2d& p) const {
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (const Wave& wave : waves_) {
-      const double phase = wave.direction.dot(p);
-      sum += Eigen::Vector2d(std::cos(phase + wave.phase_x), std::cos(phase + wave.phase_y));
-    }
-    return amplitude_mm_ * sum;  // a cosine's mean square is 1/2, along x and y: together kWaves
-  }
-
- private:
-  static constexpr int kWaves = 16;
-  struct Wave {
-    Eigen::Vector2d direction;  ///< radians per mm
-    double phase_x, phase_y;
-  };
-  std::array<Wave, kWaves> waves_;
-  double amplitude_mm_;
-};
 
 }  // namespace
 
@@ -102,12 +80,20 @@ SimulatedProbe::SimulatedProbe(ProbeOptions options, std::shared_ptr<const Secti
       trajectory_(std::move(trajectory)),
       tracker_noise_(options_.seed, 1),
       dropouts_(options_.seed, 2),
-      contour_noise_(options_.seed, 3) {
+      contour_noise_(options_.seed, 3),
+      bias_noise_(options_.seed, 4),
+      contact_noise_(options_.seed, 5),
+      label_noise_(options_.seed, 6),
+      bias_(bias_noise_),
+      contact_(contact_noise_) {
   if (!options_.sector) return;
   // The image begins where the sector does, so that pixels inside of it are not negative.
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& p : device_sim::field_of_view(*options_.sector, {}, {})) box.extend(p);
   origin_mm_ = box.min();
+  constexpr double kMargin_mm = 1, kLargestNoise = 6;  // beyond what noise may move into the sector
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kMargin_mm + kLargestNoise * options_.contour_rms_mm);
+  window_mm_ = {box.min() - margin, box.max() + margin};
 }
 
 Eigen::Matrix<double, 3, 4> SimulatedProbe::image_to_probe() const {
@@ -126,26 +112,40 @@ std::optional<SimulatedFrame> SimulatedProbe::next() {
   frame.calibration_id = options_.calibration_id;
   frame.true_image_to_reference = face_to_reference * Eigen::Translation3d(origin_mm_.x(), origin_mm_.y(), 0);
   frame.pose = track(face_to_reference * options_.face_to_probe.inverse(), frame.time_ns);
-  add_image(source_->section(face_to_reference), frame);
+  add_image(options_.sector ? source_->section_in(window_mm_, face_to_reference) : source_->section(face_to_reference),
+            frame);
+  const double correlation = std::exp(-1 / options_.wander_images);
+  bias_.step(correlation, bias_noise_);
+  contact_.step(correlation, contact_noise_);
   return frame;
 }
 
+/// The square of a normal number is small most of the time and large at times, as a lifted edge of the probe is; its
+/// mean is 1.
+Contact SimulatedProbe::contact() const {
+  constexpr double kMostOfAnEdge = 0.45;
+  const auto lost = [&](double z) { return std::min(kMostOfAnEdge, options_.contact_lost_share / 2 * z * z); };
+  return {lost(contact_.value().x()), 1 - lost(contact_.value().y())};
+}
+
 /// Segments a section, given in the frame of the face.
-void SimulatedProbe::add_image(const PhantomSection& section, SimulatedFrame& frame) {
+void SimulatedProbe::add_image(PhantomSection section, SimulatedFrame& frame) {
+  constexpr double kDiscOfDepth = 1.0 / 25;
   const auto pixel = [&](const Eigen::Vector2d& p) -> protocol::Point {
     const Eigen::Vector2d px = (p - origin_mm_) / options_.pixel_mm;
     return {static_cast<float>(px.x()), static_cast<float>(px.y())};
   };
-  std::vector<Eigen::Vector2d> seen;
-  if (options_.sector) seen = device_sim::field_of_view(*options_.sector, section, options_.shadowing);
+  std::vector<Eigen::Vector2d> seen = section.field_of_view;
+  if (options_.sector) seen = device_sim::field_of_view(*options_.sector, section, options_.shadowing, contact());
   for (const Eigen::Vector2d& p : seen) frame.field_of_view.push_back(pixel(p));
 
   const Displacement error(options_.contour_rms_mm, options_.contour_correlation_mm, contour_noise_);
-  std::vector<Eigen::Vector2d> points;
+  if (options_.contour_rms_mm > 0)
+    for (Eigen::Vector2d& p : section.points) p += error.at(p);
+  if (options_.wrong_share > 0)
+    add_wrong_discs(options_.wrong_share, kDiscOfDepth * options_.sector->far_mm, seen, label_noise_, section);
   for (const SectionLoop& loop : section.loops) {
-    points.assign(section.points.begin() + loop.first, section.points.begin() + loop.first + loop.count);
-    if (options_.contour_rms_mm > 0)
-      for (Eigen::Vector2d& p : points) p += error.at(p);
+    const auto points = std::span(section.points).subspan(loop.first, loop.count);
     if (!seen.empty() && !overlaps(points, seen)) continue;
     const auto flags = static_cast<std::uint16_t>(loop.hole ? kHoleFlag : 0);
     frame.contours.push_back({static_cast<std::uint32_t>(frame.points.size()), loop.count, loop.label, flags});
@@ -171,7 +171,8 @@ protocol::Pose SimulatedProbe::track(const Eigen::Isometry3d& probe_to_reference
   if (turn.norm() > 0) q = q * Eigen::AngleAxisd(turn.norm(), turn.normalized());
   q.normalize();
   if (q.w() < 0) q.coeffs() = -q.coeffs();
-  const Eigen::Vector3d t = probe_to_reference.translation() + shift;
+  const Eigen::Vector3d bias = options_.tracker_bias_mm * bias_.value() / std::sqrt(3 + bias_.value().squaredNorm());
+  const Eigen::Vector3d t = probe_to_reference.translation() + shift + bias;
   last_good_pose_ = {
       q.w(),         q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), time_ns, static_cast<float>(options_.tracker_rms_mm),
       PoseStatus::ok};

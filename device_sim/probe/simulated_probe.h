@@ -11,6 +11,7 @@
 #include "device_sim/probe/phantom.h"
 #include "device_sim/probe/random.h"
 #include "device_sim/probe/trajectory.h"
+#include "device_sim/probe/wander.h"
 
 namespace sonoloft::device_sim {
 
@@ -25,14 +26,18 @@ struct ProbeOptions {
   double pixel_mm = 0.2;
   std::uint32_t calibration_id = 1;
   Eigen::Isometry3d face_to_probe = default_face_to_probe();
-  std::optional<Sector> sector;       ///< none: the whole plane is seen
-  std::vector<Label> shadowing;       ///< labels that sound does not pass, e.g. bone; needs a sector
-  double tracker_rms_mm = 0;          ///< length of the error of the marker's position
-  double tracker_rms_deg = 0;         ///< angle of the error of its direction
-  double dropout_share = 0;           ///< of the images that have no pose, 0 <= value <= 0.5
-  double dropout_images = 8;          ///< mean length of a stretch without pose, at least 1
-  double contour_rms_mm = 0;          ///< length of the error of a contour's point
+  std::optional<Sector> sector;  ///< none: the whole plane is seen, of a recorded one what was seen of it
+  std::vector<Label> shadowing;  ///< labels that sound does not pass, e.g. bone; needs a sector
+  double tracker_rms_mm = 0;     ///< length of the error of the marker's position
+  double tracker_rms_deg = 0;    ///< angle of the error of its direction
+  double tracker_bias_mm = 0;    ///< the marker's position is off by up to this for a while, in a wandering direction
+  double dropout_share = 0;      ///< of the images that have no pose, 0 <= value <= 0.5
+  double dropout_images = 8;     ///< mean length of a stretch without pose, at least 1
+  double contour_rms_mm = 0;     ///< length of the error of a contour's point
   double contour_correlation_mm = 5;  ///< over this distance the error stays much the same
+  double wrong_share = 0;             ///< of what is seen, in discs with a wrong label; up to 0.5; needs a sector
+  double contact_lost_share = 0;      ///< of the beams, at both edges, on average; up to 0.5; needs a sector
+  double wander_images = 40;          ///< over so many images bias and contact stay much the same, at least 1
 };
 
 /// An image with its segmentation as the acquisition hands it to the firmware, and the truth behind it.
@@ -42,7 +47,7 @@ struct SimulatedFrame {
   protocol::Pose pose;        ///< ProbeToReference as tracked
   std::uint32_t calibration_id = 0;
   std::vector<protocol::Point> points;         ///< image, pixels
-  std::vector<protocol::Contour> contours;     ///< those that the field of view sees any part of, each of them whole
+  std::vector<protocol::Contour> contours;     ///< those that the field of view sees any part of, whole or nearly
   std::vector<protocol::Point> field_of_view;  ///< image, pixels; empty: the whole plane
 
   /// Truth: where the image's plane was. Its frame is the image in mm: pixel times pixel_mm.
@@ -73,14 +78,18 @@ class SimulatedProbe {
 
  private:
   SimulatedProbe(ProbeOptions options, std::shared_ptr<const SectionSource> source, Trajectory trajectory);
-  void add_image(const PhantomSection& section, SimulatedFrame& frame);
+  void add_image(PhantomSection section, SimulatedFrame& frame);
+  [[nodiscard]] Contact contact() const;
   [[nodiscard]] protocol::Pose track(const Eigen::Isometry3d& probe_to_reference, std::uint64_t time_ns);
 
   ProbeOptions options_;
   std::shared_ptr<const SectionSource> source_;
   Trajectory trajectory_;
   Eigen::Vector2d origin_mm_ = Eigen::Vector2d::Zero();  ///< of the image, in the frame of the face
-  Random tracker_noise_, dropouts_, contour_noise_;  ///< separate streams: one option does not shift another's noise
+  Eigen::AlignedBox2d window_mm_;                        ///< around the sector, in the frame of the face
+  /// Separate streams: one option does not shift another's noise.
+  Random tracker_noise_, dropouts_, contour_noise_, bias_noise_, contact_noise_, label_noise_;
+  Wander bias_, contact_;
   std::uint64_t next_index_ = 0;
   std::size_t dropped_poses_ = 0;
   bool tracked_ = true;

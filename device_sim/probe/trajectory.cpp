@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "device_sim/probe/random.h"
+#include "device_sim/probe/wander.h"
 
 namespace sonoloft::device_sim {
 namespace {
@@ -55,28 +57,32 @@ Eigen::Matrix3d turn(double angle_rad, const Eigen::Vector3d& axis) {
   return Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
 }
 
-/// An autoregressive process of order one, for each of six axes: what a hand cannot hold still.
+/// What a hand cannot hold still.
 class Tremor {
  public:
-  explicit Tremor(const Hand& hand) : hand_(hand), random_(hand.seed) {
-    rotation_ = random_.normal3();
-    translation_ = random_.normal3();
-  }
+  explicit Tremor(const Hand& hand) : hand_(hand), random_(hand.seed), rotation_(random_), translation_(random_) {}
   void step() {
-    const double c = hand_.tremor_correlation, fresh = std::sqrt(1 - c * c);
-    rotation_ = c * rotation_ + fresh * random_.normal3();
-    translation_ = c * translation_ + fresh * random_.normal3();
+    rotation_.step(hand_.tremor_correlation, random_);
+    translation_.step(hand_.tremor_correlation, random_);
   }
   [[nodiscard]] Eigen::Matrix3d rotation() const {
-    const Eigen::Vector3d vector = radians(hand_.tremor_deg) * rotation_;
+    const Eigen::Vector3d vector = radians(hand_.tremor_deg) * rotation_.value();
     return turn(vector.norm(), vector.norm() > 0 ? vector.normalized() : Eigen::Vector3d::UnitX());
   }
-  [[nodiscard]] Eigen::Vector3d translation_mm() const { return hand_.tremor_mm * translation_; }
+  [[nodiscard]] Eigen::Vector3d translation_mm() const { return hand_.tremor_mm * translation_.value(); }
 
  private:
   const Hand& hand_;
   Random random_;
-  Eigen::Vector3d rotation_, translation_;  ///< standard deviation 1
+  Wander rotation_, translation_;
+};
+
+/// The slices [first, end) of pass number `pass`, where all passes share `slices`.
+struct Share {
+  std::uint32_t first, end;
+  Share(std::uint32_t slices, std::uint32_t pass, std::uint32_t passes)
+      : first(static_cast<std::uint32_t>(std::uint64_t{slices} * pass / passes)),
+        end(static_cast<std::uint32_t>(std::uint64_t{slices} * (pass + 1) / passes)) {}
 };
 
 }  // namespace
@@ -113,8 +119,7 @@ Trajectory freehand_sweep(const Eigen::AlignedBox3d& bounds_mm, const SweepOptio
   Trajectory trajectory;
   const std::uint32_t passes = std::max(1u, std::min(hand.passes, options.slices));
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
-    const auto first = static_cast<std::uint32_t>(std::uint64_t{options.slices} * pass / passes);
-    const auto end = static_cast<std::uint32_t>(std::uint64_t{options.slices} * (pass + 1) / passes);
+    const auto [first, end] = Share(options.slices, pass, passes);
     const double heading = radians(37.0 * (pass / 2) + 90.0 * (pass % 2));
     const Eigen::Matrix3d towards = turn(heading, Eigen::Vector3d::UnitY());
     const Eigen::Vector3d stroke = towards.col(2);
@@ -127,6 +132,40 @@ Trajectory freehand_sweep(const Eigen::AlignedBox3d& bounds_mm, const SweepOptio
           stand.face(stroke * (reach * u) + tremor.translation_mm(), towards * veer * rock * tremor.rotation()));
       tremor.step();
     }
+  }
+  return trajectory;
+}
+
+Trajectory pass_sweep(const Eigen::AlignedBox3d& bounds_mm, const SweepOptions& options, double apart_mm,
+                      const Hand& hand) {
+  constexpr double kShortestStep_mm = 0.5, kLongestStep_mm = 1;
+  const struct { double heading_deg, side; } passes[] = {{0, -0.5}, {0, 0.5}, {90, -0.5}, {90, 0.5}, {37, 0}};
+  constexpr auto kPasses = static_cast<std::uint32_t>(std::size(passes));
+  const Stand stand = stand_over(bounds_mm, options);
+  Tremor tremor(hand);
+  Trajectory trajectory;
+  for (std::uint32_t pass = 0; pass < kPasses; ++pass) {
+    const auto [first, end] = Share(options.slices, pass, kPasses);
+    const Eigen::Matrix3d towards = turn(radians(passes[pass].heading_deg), Eigen::Vector3d::UnitY());
+    const Eigen::Vector3d stroke = towards.col(2), side = towards.col(0) * (passes[pass].side * apart_mm);
+    const double extent = 2 * stroke.cwiseAbs().dot(stand.half);
+    const double step = std::clamp(extent / std::max(1u, end - first), kShortestStep_mm, kLongestStep_mm);
+    for (std::uint32_t i = first; i < end; ++i) {
+      const double along = step * (end - first) / 2 * part(i - first, end - first);
+      trajectory.push_back(stand.face(stroke * along + side + tremor.translation_mm(), towards * tremor.rotation()));
+      tremor.step();
+    }
+  }
+  return trajectory;
+}
+
+Trajectory still_probe(const Eigen::AlignedBox3d& bounds_mm, const SweepOptions& options, const Hand& hand) {
+  const Stand stand = stand_over(bounds_mm, options);
+  Tremor tremor(hand);
+  Trajectory trajectory;
+  for (std::uint32_t i = 0; i < options.slices; ++i) {
+    trajectory.push_back(stand.face(tremor.translation_mm(), tremor.rotation()));
+    tremor.step();
   }
   return trajectory;
 }

@@ -14,8 +14,8 @@ using Trajectory = std::vector<Eigen::Isometry3d>;
 /// The probe stands above the box, on the side of its shortest edge, and moves along its longest.
 struct SweepOptions {
   std::uint32_t slices = 100;
-  std::optional<double> standoff_mm;  ///< from the apex to the box; by default half the box's largest other edge, so
-                                      ///< that a sector of about 90 degrees sees all of it
+  std::optional<double> standoff_mm;  ///< from the apex to the box, below 0 within it; by default half the box's
+                                      ///< largest other edge, so that a sector of about 90 degrees sees all of it
 };
 
 /// Parallel planes, evenly through the box.
@@ -42,5 +42,16 @@ struct Hand {
 /// Strokes over the body by a hand that tilts, turns and trembles: planes of really different directions.
 [[nodiscard]] Trajectory freehand_sweep(const Eigen::AlignedBox3d& bounds_mm, const SweepOptions& options,
                                         const Hand& hand);
+
+/// What a scan of a minute looks like: five passes of parallel planes, two side by side along the box, two across it,
+/// one at 37 degrees, each one a fifth of the slices and 0.5 to 1 mm a step: with few slices passes over the middle of
+/// the box, with many over all of it. The hand trembles and does not tilt (hand.passes and hand.tilt_deg are not used).
+/// @param apart_mm  between passes side by side
+[[nodiscard]] Trajectory pass_sweep(const Eigen::AlignedBox3d& bounds_mm, const SweepOptions& options, double apart_mm,
+                                    const Hand& hand);
+
+/// The probe stands over the middle of the box and only trembles.
+[[nodiscard]] Trajectory still_probe(const Eigen::AlignedBox3d& bounds_mm, const SweepOptions& options,
+                                     const Hand& hand);
 
 }  // namespace sonoloft::device_sim

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -128,16 +129,19 @@ inline Eigen::Isometry3d random_plane(const Eigen::AlignedBox3d& box, device_sim
   return Eigen::Translation3d(point) * turn.normalized();
 }
 
-/// Share of random points of the plane, farther than `clear_mm` from a border, at which section and phantom agree.
+/// Share of random points of the plane, farther than `clear_mm` from a border, at which section and phantom agree; with
+/// a window, of points in it, by the section in it.
 struct Agreement {
   int points = 0;
   int agreed = 0;
 };
 inline Agreement agreement(const device_sim::Phantom& phantom, const Eigen::Isometry3d& plane, double clear_mm,
-                           int tries, device_sim::Random& random) {
-  const device_sim::PhantomSection section = phantom.section(plane);
+                           int tries, device_sim::Random& random,
+                           const std::optional<Eigen::AlignedBox2d>& window = {}) {
+  const device_sim::PhantomSection section = window ? phantom.section_in(*window, plane) : phantom.section(plane);
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& corner : device_sim::box_section(phantom.bounds(), plane)) box.extend(corner);
+  if (window) box = box.intersection(*window);
   Agreement result;
   for (int i = 0; i < tries && !box.isEmpty(); ++i) {
     Eigen::Vector2d p = box.min();

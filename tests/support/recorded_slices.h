@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/io/slice_files.h"
+#include "core/io/slices/slice_files.h"
 #include "tests/support/recorded_sets.h"
 
 namespace sonoloft::test {

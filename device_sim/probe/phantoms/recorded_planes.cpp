@@ -18,8 +18,9 @@ std::string check(const RecordedPlane& plane) {
     next += loop.count;
   }
   if (next != plane.section.points.size()) return "has points without a loop or loops without points";
-  for (const Eigen::Vector2d& p : plane.section.points)
-    if (!p.allFinite()) return "has a point that is not a finite number";
+  for (const auto* points : {&plane.section.points, &plane.section.field_of_view})
+    for (const Eigen::Vector2d& p : *points)
+      if (!p.allFinite()) return "has a point that is not a finite number";
   return {};
 }
 
@@ -55,7 +56,8 @@ PhantomSection RecordedPlanes::section(const Eigen::Isometry3d& plane_to_referen
   if (distance(*nearest) > kTolerance) return {};
   PhantomSection section = nearest->section;
   const Eigen::Isometry3d to_asked = plane_to_reference.inverse() * nearest->plane_to_reference;
-  for (Eigen::Vector2d& p : section.points) p = (to_asked * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
+  for (auto* points : {&section.points, &section.field_of_view})
+    for (Eigen::Vector2d& p : *points) p = (to_asked * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
   return section;
 }
 

@@ -145,10 +145,14 @@ PhantomSection trace_section(const Eigen::AlignedBox2d& area, double spacing_mm,
   return Tracer(area, spacing_mm, label_at).run();
 }
 
-PhantomSection trace_section(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& plane_to_reference,
-                             double spacing_mm, const std::function<Label(const Eigen::Vector3d&)>& label_at) {
+Eigen::AlignedBox2d section_area(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& plane_to_reference) {
   Eigen::AlignedBox2d area;
   for (const Eigen::Vector2d& corner : box_section(box, plane_to_reference)) area.extend(corner);
+  return area;
+}
+
+PhantomSection trace_section(const Eigen::AlignedBox2d& area, const Eigen::Isometry3d& plane_to_reference,
+                             double spacing_mm, const std::function<Label(const Eigen::Vector3d&)>& label_at) {
   const Eigen::Vector3d origin = plane_to_reference.translation();
   const Eigen::Vector3d x_axis = plane_to_reference.linear().col(0), y_axis = plane_to_reference.linear().col(1);
   return trace_section(area, spacing_mm,

@@ -18,9 +18,13 @@ namespace sonoloft::device_sim {
 [[nodiscard]] PhantomSection trace_section(const Eigen::AlignedBox2d& area, double spacing_mm,
                                            const std::function<Label(const Eigen::Vector2d&)>& label_at);
 
-/// The same for the part of a plane in a box and labels given in space (reference, mm).
-[[nodiscard]] PhantomSection trace_section(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& plane_to_reference,
+/// The same for labels given in space (reference, mm).
+[[nodiscard]] PhantomSection trace_section(const Eigen::AlignedBox2d& area, const Eigen::Isometry3d& plane_to_reference,
                                            double spacing_mm,
                                            const std::function<Label(const Eigen::Vector3d&)>& label_at);
+
+/// Around what a plane cuts out of a box, in the plane's frame; empty where they do not meet.
+[[nodiscard]] Eigen::AlignedBox2d section_area(const Eigen::AlignedBox3d& box,
+                                               const Eigen::Isometry3d& plane_to_reference);
 
 }  // namespace sonoloft::device_sim

@@ -91,7 +91,13 @@ Label SolidPhantom::label_at(const Eigen::Vector3d& point_mm) const {
 }
 
 PhantomSection SolidPhantom::section(const Eigen::Isometry3d& plane_to_reference) const {
-  return trace_section(bounds_, plane_to_reference, spacing_mm_,
+  return trace_section(section_area(bounds_, plane_to_reference), plane_to_reference, spacing_mm_,
+                       [this](const Eigen::Vector3d& point_mm) { return label_at(point_mm); });
+}
+
+PhantomSection SolidPhantom::section_in(const Eigen::AlignedBox2d& window,
+                                        const Eigen::Isometry3d& plane_to_reference) const {
+  return trace_section(section_area(bounds_, plane_to_reference).intersection(window), plane_to_reference, spacing_mm_,
                        [this](const Eigen::Vector3d& point_mm) { return label_at(point_mm); });
 }
 

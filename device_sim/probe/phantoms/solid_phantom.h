@@ -40,6 +40,9 @@ class SolidPhantom final : public Phantom {
   [[nodiscard]] Label label_at(const Eigen::Vector3d& point_mm) const override;
   /// @cost O((extent / spacing)^2 #solids)
   [[nodiscard]] PhantomSection section(const Eigen::Isometry3d& plane_to_reference) const override;
+  /// @cost that of section() by the window's share of the plane
+  [[nodiscard]] PhantomSection section_in(const Eigen::AlignedBox2d& window,
+                                          const Eigen::Isometry3d& plane_to_reference) const override;
   /// The distance of the grid's lines, 1/400 of the diagonal of bounds(); points of a loop are one to three of it
   /// apart.
   [[nodiscard]] double spacing_mm() const { return spacing_mm_; }

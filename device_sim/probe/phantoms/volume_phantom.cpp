@@ -67,7 +67,13 @@ Made<VolumePhantom> VolumePhantom::make(const Eigen::Vector3i& dims, const Eigen
 }
 
 PhantomSection VolumePhantom::section(const Eigen::Isometry3d& plane_to_reference) const {
-  return trace_section(bounds_, plane_to_reference, grid_mm_,
+  return trace_section(section_area(bounds_, plane_to_reference), plane_to_reference, grid_mm_,
+                       [this](const Eigen::Vector3d& point_mm) { return label_at(point_mm); });
+}
+
+PhantomSection VolumePhantom::section_in(const Eigen::AlignedBox2d& window,
+                                         const Eigen::Isometry3d& plane_to_reference) const {
+  return trace_section(section_area(bounds_, plane_to_reference).intersection(window), plane_to_reference, grid_mm_,
                        [this](const Eigen::Vector3d& point_mm) { return label_at(point_mm); });
 }
 

@@ -29,6 +29,9 @@ class VolumePhantom final : public Phantom {
   }
   /// @cost O((extent / grid_mm())^2)
   [[nodiscard]] PhantomSection section(const Eigen::Isometry3d& plane_to_reference) const override;
+  /// @cost that of section() by the window's share of the plane
+  [[nodiscard]] PhantomSection section_in(const Eigen::AlignedBox2d& window,
+                                          const Eigen::Isometry3d& plane_to_reference) const override;
   /// The distance of the lines of the grid on which sections are traced: the geometric mean of a voxel's edges.
   [[nodiscard]] double grid_mm() const { return grid_mm_; }
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/io/label_volume.h"
+#include "core/io/volumes/label_volume.h"
 #include "core/mesh/mesh.h"
 #include "core/slice/label.h"
 #include "core/slice/result.h"

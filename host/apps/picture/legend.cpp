@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 
 namespace sonoloft {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 #include "core/slice/parallel.h"
 #include "host/apps/picture/occlusion.h"
 

@@ -60,7 +60,8 @@ def main():
     parser.add_argument("--plots", action="store_true", help="also draw the plots of docs/bench and renew its table")
     options = parser.parse_args()
     start = time.monotonic()
-    result = {"machine": machine(), "records": run("bench_field") + run("bench_mesh") + measure_sets()}
+    result = {"machine": machine(), "records": run("bench_wire") + run("bench_field") + run("bench_mesh") +
+              run("bench_background") + measure_sets()}
     for curve in ("slices", "vertices", "depth", "labels", "threads"):
         result["records"] += run("bench_scaling", curve)
     result["seconds"] = time.monotonic() - start

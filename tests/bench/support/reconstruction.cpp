@@ -1,6 +1,6 @@
 #include "tests/bench/support/reconstruction.h"
 
-#include "core/io/slice_files.h"
+#include "core/io/slices/slice_files.h"
 
 namespace sonoloft::bench {
 

@@ -11,8 +11,8 @@
 #include <set>
 #include <string>
 
-#include "core/io/mesh_files.h"
-#include "core/io/slice_files.h"
+#include "core/io/meshes/mesh_files.h"
+#include "core/io/slices/slice_files.h"
 #include "core/slice/section.h"
 #include "tests/support/slice_truth.h"
 

@@ -36,6 +36,24 @@ TEST_CASE("sections: the smallest loop around a point tells what a body of solid
   check_agreement(phantom, "organs", phantom.spacing_mm(), 100);
 }
 
+TEST_CASE("sections: of a window, they tell what a body has there") {
+  const SolidPhantom phantom = organs_phantom();
+  Random random(12);
+  test::Agreement all;
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Isometry3d cut = test::random_plane(phantom.bounds(), random);
+    const Eigen::Vector2d corner(40 * random.normal(), 40 * random.normal());
+    const Eigen::AlignedBox2d window(corner, corner + Eigen::Vector2d(70, 60));
+    CHECK(test::well_formed(phantom.section_in(window, cut)));
+    const test::Agreement here = test::agreement(phantom, cut, phantom.spacing_mm(), 100, random, window);
+    all.points += here.points;
+    all.agreed += here.agreed;
+  }
+  MESSAGE("windows: " << all.agreed << " of " << all.points << " points agree");
+  CHECK(all.points > 3000);
+  CHECK(all.agreed >= 0.999 * all.points);
+}
+
 TEST_CASE("sections: the smallest loop around a point tells what a mesh has there") {
   sonoloft::IndexedMesh inner = test::sphere_mesh({2, 1, 0}, 12, 3);
   for (auto& t : inner.triangles) std::swap(t[1], t[2]);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/slice_files.h"
+#include "core/io/slices/slice_files.h"
 #include "core/slice/section.h"
 
 using namespace sonoloft;
@@ -79,6 +79,13 @@ std::string with(const std::string& from = "", const std::string& to = "") {
   return text;
 }
 
+/// The same with a field of view and an unknown region.
+std::string seen(const std::string& from = "", const std::string& to = "") {
+  std::string text = with() + "CSLX 1 2\nview 0 3\n-9 -9 0\n9 -9 0\n0 9 0\nunknown 0 3\n1 1 0\n2 1 0\n1 2 0\n";
+  if (!from.empty()) text.replace(text.find(from), from.size(), to);
+  return text;
+}
+
 std::string soup(const std::string& from = "", const std::string& to = "") {
   std::string text = "1\n0 0 1 0\n3 3\n0 0 0\n4 0 0\n0 4 0\n0 1 1 0\n1 2 1 0\n2 0 1 0\n";
   if (!from.empty()) text.replace(text.find(from), from.size(), to);
@@ -116,6 +123,21 @@ std::vector<Case> file_cases() {
       csl("a normal of zero", "parse_failed", with("0 0 1 0\n", "0 0 0 0\n")),
       csl("a normal of length 2", "normal scaled", with("0 0 1 0\n", "0 0 2 0\n")),
       csl("the wrong sign of D", "sign of D turned", "CSLC\n1 1\n1 3 1 0 0 1 7\n0 0 7\n4 0 7\n0 4 7\n3 1 0 1 2\n"),
+      csl("a field of view and an unknown region", "read as it is", seen()),
+      csl("an extension of version 2", "unsupported_format", seen("CSLX 1", "CSLX 2")),
+      csl("an extension of version 0", "unsupported_format", seen("CSLX 1", "CSLX 0")),
+      csl("an extension without a version", "parse_failed", with() + "CSLX"),
+      csl("more regions declared than there are", "parse_failed", seen("CSLX 1 2", "CSLX 1 3")),
+      csl("10^12 regions declared", "too_large", seen("CSLX 1 2", "CSLX 1 1000000000000")),
+      csl("a region of another kind", "parse_failed", seen("unknown", "shadow")),
+      csl("a region of a plane that is not there", "parse_failed", seen("unknown 0", "unknown 1")),
+      csl("a region of 2 vertices", "bad_contour", seen("view 0 3\n-9 -9 0", "view 0 2")),
+      csl("a million vertices of a region declared", "parse_failed", seen("view 0 3", "view 0 1000000")),
+      csl("two views of a plane", "parse_failed", seen("unknown", "view")),
+      csl("ends in a region", "parse_failed", seen("\n1 2 0\n", "\n1")),
+      csl("nan in a region", "non_finite", seen("9 -9 0", "9 nan 0")),
+      csl("a region far off its plane", "non_planar", seen("0 9 0\nu", "0 9 3\nu")),
+      csl("an extension without a plane", "empty_input", "CSLC\n0 1\nCSLX 1 0\n"),
       csl("a vertex far off its plane", "non_planar", with("4 0 0", "4 0 0.5")),
       csl("a vertex a little off its plane", "vertices projected", with("4 0 0", "4 0 0.01")),
       csl("a vertex number too high", "parse_failed", with("0 1 2\n", "0 1 3\n")),

@@ -1,4 +1,4 @@
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 
 #include <doctest/doctest.h>
 

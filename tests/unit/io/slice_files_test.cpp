@@ -1,4 +1,4 @@
-#include "core/io/slice_files.h"
+#include "core/io/slices/slice_files.h"
 
 #include <doctest/doctest.h>
 
@@ -6,10 +6,12 @@
 
 #include "core/slice/section.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/io/label_in_space.h"
 
 using namespace sonoloft;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using test::label_in_space;
 
 namespace {
 
@@ -23,15 +25,6 @@ SliceFile contour(std::string_view text) {
   auto file = parse_contour(text, "test.contour");
   REQUIRE_MESSAGE(file.has_value(), (file ? "" : file.error().message));
   return *file;
-}
-
-/// The label of a point of space that lies in the slice.
-Label label_in_space(const TrackedSlice& slice, const Vector3d& p) {
-  const auto section = make_section(slice);
-  REQUIRE(section.has_value());
-  const Vector3d image = slice.image_to_reference.inverse() * p;
-  CHECK(std::abs(image.z()) < 1e-9);
-  return label_at(*section, image.head<2>());
 }
 
 /// A square of side 4 with a square hole of side 2 in z = 3, with blank lines, blanks and CRLF.

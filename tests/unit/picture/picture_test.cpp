@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 #include "tests/support/mesh/solid_meshes.h"
 
 #define STB_IMAGE_IMPLEMENTATION

@@ -72,6 +72,30 @@ TEST_CASE("field of view: behind a label that sound does not pass nothing is see
   CHECK(!test::inside_loop(covered, {0, 10 + kShadowSkinMm + 0.1}));
 }
 
+TEST_CASE("field of view: beams without contact see nothing, the others what they saw") {
+  const Polygon whole = field_of_view(kConvexArray, {}, {}), part = field_of_view(kConvexArray, {}, {}, {0.25, 0.9});
+  CHECK(test::loop_area(part) == doctest::Approx(0.65 * test::loop_area(whole)).epsilon(2e-3));
+  const auto at = [](double degrees) -> Eigen::Vector2d {
+    return 40 * Eigen::Vector2d(std::sin(degrees * kRadian), std::cos(degrees * kRadian));
+  };
+  CHECK(!test::inside_loop(part, at(-16)));
+  CHECK(test::inside_loop(part, at(-14)));
+  CHECK(test::inside_loop(part, at(23)));
+  CHECK(!test::inside_loop(part, at(25)));
+  CHECK(field_of_view(kConvexArray, {}, {}, {0.4999, 0.5001}).size() >= 4);
+}
+
+TEST_CASE("field of view: has few corners where nothing shadows, and is exact to 1/2000 of its depth") {
+  const Polygon view = field_of_view(kConvexArray, {}, {});
+  MESSAGE(view.size() << " corners");
+  CHECK(view.size() < 30);
+  for (const Eigen::Vector2d& p : view) CHECK(std::min(std::abs(p.norm() - 4), std::abs(p.norm() - 62)) < 1e-9);
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    const Eigen::Vector2d middle = (view[i] + view[(i + 1) % view.size()]) / 2;
+    if (middle.norm() > 61) CHECK(middle.norm() > 62 - 62.0 / 2000);
+  }
+}
+
 TEST_CASE("field of view: loops overlap it when they cross, hold or lie in it") {
   const Polygon view = field_of_view({10, 100, 40 * kRadian}, {}, {});
   CHECK(overlaps(square(0, 50, 5), view));                          // within

@@ -48,6 +48,19 @@ TEST_CASE("recording: every recorded plane gives back its own points, seen from 
   CHECK(recorded.value->section(test::plane_at({5, 6, 1000}, {0, 0.001, 1})).loops.empty());
 }
 
+TEST_CASE("recording: what was seen of a plane is played back with it") {
+  std::vector<RecordedPlane> planes = three_planes();
+  planes[1].section.field_of_view = {{-1, -1}, {15, -1}, {-1, 15}};
+  std::shared_ptr<const RecordedPlanes> recorded = RecordedPlanes::make(planes).value;
+  auto probe = SimulatedProbe::make({}, recorded, recorded->trajectory());
+  REQUIRE(probe.value);
+  CHECK(probe.value->next()->field_of_view.empty());
+  const auto frame = probe.value->next();
+  REQUIRE(frame->field_of_view.size() == 3);
+  CHECK(0.2f * frame->field_of_view[1].x_px == doctest::Approx(15));
+  CHECK(0.2f * frame->field_of_view[1].y_px == doctest::Approx(-1));
+}
+
 TEST_CASE("recording: a probe without a sector plays it back plane by plane, empty ones too") {
   std::shared_ptr<const RecordedPlanes> recorded = RecordedPlanes::make(three_planes()).value;
   auto probe = SimulatedProbe::make({}, recorded, recorded->trajectory());

@@ -125,6 +125,9 @@ TEST_CASE("probe: the same seed gives the same bytes, another seed others") {
   options.tracker_rms_deg = 0.2;
   options.dropout_share = 0.2;
   options.contour_rms_mm = 0.4;
+  options.tracker_bias_mm = 1;
+  options.wrong_share = 0.03;
+  options.contact_lost_share = 0.1;
   const auto one = run(options, organs(), trajectory), again = run(options, organs(), trajectory);
   options.seed = 2;
   const auto other = run(options, organs(), trajectory);
@@ -161,6 +164,56 @@ TEST_CASE("probe: tracker noise has the asked size, about the marker") {
   CHECK(std::sqrt(deg2 / kImages) == doctest::Approx(0.7).epsilon(0.05));
 }
 
+TEST_CASE("probe: a bias stays below its limit and changes slowly") {
+  ProbeOptions options;
+  options.tracker_bias_mm = 2;
+  constexpr std::size_t kImages = 4000;
+  const Trajectory trajectory = held(kImages);
+  const auto frames = run(options, nothing(), trajectory);
+  const Eigen::Vector3d truth = (trajectory[0] * options.face_to_probe.inverse()).translation();
+  double longest = 0, sum = 0, steps = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero(), last = isometry(frames[0].pose).translation() - truth;
+  for (const SimulatedFrame& frame : frames) {
+    const Eigen::Vector3d off = isometry(frame.pose).translation() - truth;
+    longest = std::max(longest, off.norm());
+    sum += off.norm() / kImages;
+    steps += (off - last).norm() / kImages;
+    mean += off / kImages;
+    last = off;
+  }
+  MESSAGE("mean length " << sum << " mm, longest " << longest << " mm, from image to image " << steps << " mm");
+  CHECK(longest < 2);
+  CHECK(longest > 1.7);
+  CHECK(sum == doctest::Approx(1.35).epsilon(0.1));
+  CHECK(steps < 0.3 * sum);
+  CHECK(mean.norm() < 0.5 * sum);  // it wanders
+}
+
+TEST_CASE("probe: contact is lost at the edges for the asked share of the beams, for a while") {
+  ProbeOptions options;
+  options.sector = kConvexArray;
+  options.contact_lost_share = 0.1;
+  constexpr std::size_t kImages = 4000;
+  const double whole_mm2 = test::loop_area(field_of_view(kConvexArray, {}, {}));
+  double seen = 0, steps = 0, last = 0;
+  std::size_t narrow = 0;
+  const auto frames = run(options, nothing(), held(kImages));
+  for (const SimulatedFrame& frame : frames) {
+    std::vector<Eigen::Vector2d> view;
+    for (const sonoloft::protocol::Point& p : frame.field_of_view) view.emplace_back(0.2 * p.x_px, 0.2 * p.y_px);
+    const double share = test::loop_area(view) / whole_mm2;
+    seen += share / kImages;
+    if (last > 0) steps += std::abs(share - last) / kImages;
+    narrow += share < 0.7;
+    last = share;
+  }
+  MESSAGE("seen " << seen << " on average, " << narrow << " images of less than 0.7; from image to image " << steps);
+  CHECK(seen == doctest::Approx(0.9).epsilon(0.03));
+  CHECK(narrow > kImages / 50);
+  CHECK(narrow < kImages / 5);
+  CHECK(steps < 0.05);
+}
+
 TEST_CASE("probe: dropouts have the asked share and length, are counted and keep the last good pose") {
   ProbeOptions options;
   options.dropout_share = 0.2;
@@ -191,8 +244,15 @@ TEST_CASE("probe: one option's noise does not shift another's") {
   const auto quiet = run(options, nothing(), trajectory);
   options.tracker_rms_mm = 1;
   options.contour_rms_mm = 1;
+  options.tracker_bias_mm = 1;
+  options.sector = kConvexArray;
+  options.contact_lost_share = 0.1;
   const auto noisy = run(options, nothing(), trajectory);
   for (std::size_t i = 0; i < 400; ++i) CHECK(quiet[i].pose.status == noisy[i].pose.status);
+  options.tracker_rms_mm = 0;
+  options.wrong_share = 0.05;
+  const auto wrong = run(options, nothing(), trajectory);
+  for (std::size_t i = 0; i < 400; ++i) CHECK(same_bytes(noisy[i].field_of_view, wrong[i].field_of_view));
 }
 
 TEST_CASE("probe: contour noise has the asked size, is smooth, and moves shared points together") {
@@ -231,7 +291,7 @@ TEST_CASE("probe: contour noise has the asked size, is smooth, and moves shared 
   CHECK(shared > 20);
 }
 
-TEST_CASE("probe: a narrow sector sends whole what it sees a part of, and not what it does not see") {
+TEST_CASE("probe: a narrow sector sends what it sees a part of, and not what it does not see") {
   const Trajectory trajectory = rotation_sweep(organs()->bounds(), {.slices = 12, .standoff_mm = 5});
   ProbeOptions options;
   const auto all = run(options, organs(), trajectory);
@@ -274,6 +334,13 @@ TEST_CASE("probe: options out of range are refused and say why") {
   refused("sector", [](ProbeOptions& o) { o.sector = Sector{50, 40, 0.5}; });
   refused("sector", [](ProbeOptions& o) { o.sector = Sector{5, 40, 3}; });
   refused("shadows", [](ProbeOptions& o) { o.shadowing = {1}; });
+  refused("wrong labels", [](ProbeOptions& o) { o.wrong_share = 0.1; });
+  refused("lost contact", [](ProbeOptions& o) {
+    o.sector = kConvexArray;
+    o.contact_lost_share = 0.7;
+  });
+  refused("wander", [](ProbeOptions& o) { o.wander_images = 0; });
+  refused("tracker", [](ProbeOptions& o) { o.tracker_bias_mm = -1; });
   refused("tracker", [&](ProbeOptions& o) { o.tracker_rms_mm = nan; });
   refused("dropouts", [](ProbeOptions& o) { o.dropout_share = 0.9; });
   refused("dropouts", [](ProbeOptions& o) { o.dropout_images = 0; });

@@ -134,3 +134,50 @@ TEST_CASE("trajectories: the same seed is the same hand, another seed another") 
   CHECK(freehand_sweep(kBox, {.slices = 2, .standoff_mm = {}}, {.passes = 5}).size() == 2);
   CHECK(freehand_sweep(kBox, {.slices = 0, .standoff_mm = {}}, hand).empty());
 }
+
+TEST_CASE("trajectories: passes run side by side, across and askew, in steps of 0.5 to 1 mm") {
+  const struct {
+    std::uint32_t slices;
+    double step_mm;
+  } cases[] = {{100, 1}, {1000, 0.84}, {5000, 0.5}};
+  for (const auto& c : cases) {
+    Hand steady;
+    steady.tremor_deg = steady.tremor_mm = 0;
+    const Trajectory trajectory = pass_sweep(kBox, {.slices = c.slices, .standoff_mm = -10}, 30, steady);
+    REQUIRE(trajectory.size() == c.slices);
+    CHECK(all_rigid(trajectory));
+    const std::uint32_t a_pass = c.slices / 5;
+    double mean_step = 0;
+    for (std::uint32_t pass = 0; pass < 5; ++pass) {
+      const Eigen::Isometry3d &first = trajectory[pass * a_pass], &last = trajectory[(pass + 1) * a_pass - 1];
+      mean_step += (last.translation() - first.translation()).norm() / (a_pass - 1) / 5;
+      CHECK(degrees_between(normal(first), last.translation() - first.translation()) < 1e-4);
+      CHECK(first.translation().y() == doctest::Approx(100 + 10));  // within the box, whose shortest edge is y
+    }
+    CHECK(mean_step >= 0.5 - 1e-9);
+    CHECK(mean_step <= 1 + 1e-9);
+    CHECK(mean_step == doctest::Approx(c.step_mm).epsilon(0.1));
+    const auto heading = [&](std::uint32_t pass) { return normal(trajectory[pass * a_pass]); };
+    CHECK(degrees_between(heading(0), heading(1)) < 1e-4);
+    CHECK((trajectory[0].translation() - trajectory[a_pass].translation()).norm() == doctest::Approx(30));
+    CHECK(degrees_between(heading(0), heading(2)) == doctest::Approx(90));
+    CHECK(degrees_between(heading(2), heading(3)) < 1e-4);
+    CHECK(degrees_between(heading(0), heading(4)) == doctest::Approx(37));
+  }
+}
+
+TEST_CASE("trajectories: a probe held still trembles around one pose") {
+  const Trajectory trajectory = still_probe(kBox, {.slices = 3000, .standoff_mm = {}}, Hand{});
+  REQUIRE(trajectory.size() == 3000);
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero(), mean_normal = Eigen::Vector3d::Zero();
+  for (const Eigen::Isometry3d& pose : trajectory) {
+    middle += pose.translation() / 3000;
+    mean_normal += normal(pose) / 3000;
+  }
+  double deg2 = 0;
+  for (const Eigen::Isometry3d& pose : trajectory)
+    deg2 += std::pow(degrees_between(normal(pose), mean_normal.normalized()), 2);
+  const double off = std::sqrt(deg2 / 3000);
+  MESSAGE("normals " << off << " degrees off their mean");
+  CHECK(off == doctest::Approx(1.5 * std::sqrt(2.0)).epsilon(0.15));  // about two of three axes
+}

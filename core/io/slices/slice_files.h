@@ -1,7 +1,9 @@
 #pragma once
-// Recorded slices:  file -> [IO] -> TrackedSlice -> make_section -> cells
+// Recorded slices:  file <-> [IO] <-> TrackedSlice -> make_section -> cells
 #include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,7 +34,8 @@ inline constexpr std::uint32_t kMaxFileSlices = 1u << 14;
 /// Vertices farther off their plane than this share of the diagonal of all vertices are an error.
 inline constexpr double kPlanarTolerance = 1e-2;
 
-/// Reads a CSL file: planes Ax+By+Cz+D=0, vertices, closed components with a label, holes.
+/// Reads a CSL file: planes Ax+By+Cz+D=0, vertices, closed components with a label, holes; and, behind the last plane,
+/// fields of view and unknown regions (docs/csl.md).
 /// Coordinates are taken as mm, reference frame. The image frame of a slice has its z along the file's normal and its
 /// origin in the middle of the slice's vertices (of a slice without any: below the middle of all vertices).
 /// @post  every slice has points.size() <= kMaxSlicePoints, contours of at least 3 points, a rigid pose
@@ -43,6 +46,17 @@ inline constexpr double kPlanarTolerance = 1e-2;
 
 /// The same from text in memory; `name` is what messages call it.
 [[nodiscard]] Result<SliceFile> parse_csl(std::string_view text, std::string_view name);
+
+/// Writes slices as a CSL file with fields of view and unknown regions; the file is replaced. Numbers have all digits:
+/// what read_csl() makes of it has every point within 1e-12 of the largest coordinate of where it was, in an image
+/// frame of its own. Ids and times are not written.
+/// @pre   make_section() accepts every slice
+/// @error io_failed
+/// @cost  O(bytes), one buffer of the size of the file
+[[nodiscard]] Result<void> write_csl(std::span<const TrackedSlice> slices, const std::filesystem::path& path);
+
+/// The same as text in memory.
+[[nodiscard]] std::string csl_text(std::span<const TrackedSlice> slices);
 
 /// Reads a .contour file: planes with ax+by+cz+d=0 or =d, vertices, edges with the labels left and right of them. The
 /// boundary of every label's regions is traced into loops; which sign and which side the file means is told from its

@@ -3,9 +3,9 @@
 
 #include "core/io/byte_file.h"
 #include "core/io/byte_order.h"
-#include "core/io/mesh_builder.h"
-#include "core/io/mesh_files.h"
-#include "core/io/mesh_parsers.h"
+#include "core/io/meshes/mesh_builder.h"
+#include "core/io/meshes/mesh_files.h"
+#include "core/io/meshes/mesh_parsers.h"
 #include "core/io/text_scanner.h"
 
 namespace sonoloft {

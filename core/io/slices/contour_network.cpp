@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/io/byte_file.h"
-#include "core/io/slice_file_builder.h"
+#include "core/io/slices/slice_file_builder.h"
 #include "core/io/text_scanner.h"
 #include "core/slice/section.h"
 

@@ -1,11 +1,11 @@
 #pragma once
-// The part that CSL and .contour have in common: planes and vertices in space -> TrackedSlice.
+// What CSL and .contour have in common: planes and vertices in space -> TrackedSlice.
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "core/io/slice_files.h"
+#include "core/io/slices/slice_files.h"
 
 namespace sonoloft {
 
@@ -15,6 +15,7 @@ struct FilePlane {
   Eigen::Vector3d normal;  ///< of any length
   double offset;           ///< normal . x + offset = 0, or = 2 offset where the file means the other sign
   std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::uint32_t> view;  ///< the vertices of its field of view; empty: all of the plane was seen
 
   Eigen::Isometry3d image_to_reference = Eigen::Isometry3d::Identity();
   std::vector<Eigen::Vector2d> image;  ///< [#vertices] projected, image frame
@@ -31,8 +32,8 @@ struct FileLoop {
 /// @error non_finite, non_planar, parse_failed (a normal of zero), bad_contour (beyond kMaxCoordinate_mm)
 [[nodiscard]] Result<void> place_planes(std::vector<FilePlane>& planes, const std::string& name, SliceFileNotes& notes);
 
-/// Builds the slices, one for each plane in space.
-/// @pre   loops.size() == planes.size(), vertices of loops in range
+/// Builds the slices, one for each plane in space; planes with a field of view are slices of their own.
+/// @pre   loops.size() == planes.size(), vertices of loops and views in range
 /// @error empty_input (no loop at all), too_large
 [[nodiscard]] Result<SliceFile> build_slices(const std::vector<FilePlane>& planes,
                                              const std::vector<std::vector<FileLoop>>& loops, const std::string& name,

@@ -2,7 +2,7 @@
 
 #include "core/io/byte_file.h"
 #include "core/io/byte_order.h"
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 
 namespace sonoloft {
 namespace {

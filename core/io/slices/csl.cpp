@@ -1,7 +1,7 @@
 #include <string>
 
 #include "core/io/byte_file.h"
-#include "core/io/slice_file_builder.h"
+#include "core/io/slices/slice_file_builder.h"
 #include "core/io/text_scanner.h"
 #include "core/slice/section.h"
 
@@ -32,6 +32,40 @@ FileLoop read_component(TextScanner& in, std::size_t vertex_count) {
         static_cast<std::uint32_t>(in.whole("a vertex number", vertex_count - 1, ErrorCode::parse_failed)));
   }
   return loop;
+}
+
+/// `view|unknown plane n`, then n vertices, which join those of the plane.
+void read_region(TextScanner& in, std::vector<FilePlane>& planes, std::vector<std::vector<FileLoop>>& loops) {
+  const std::string_view kind = in.word("a region's kind");
+  const auto k = static_cast<std::size_t>(in.whole("a region's plane", planes.size() - 1, ErrorCode::parse_failed));
+  if (in.failed()) return;
+  if (kind != "view" && kind != "unknown")
+    return in.set_error(ErrorCode::parse_failed, "a region is neither view nor unknown: mend the line");
+  if (kind == "view" && !planes[k].view.empty())
+    return in.set_error(ErrorCode::parse_failed, "a second view of one plane: give each image a plane of its own");
+  const std::size_t count = in.count("a region's number of vertices", kMaxSlicePoints, 6);
+  if (!in.failed() && count < 3)
+    return in.set_error(ErrorCode::bad_contour, "a region of fewer than 3 vertices: leave it out");
+  FileLoop region{{}, kUnknown, false};
+  for (std::size_t i = 0; i < count && !in.failed(); ++i) {
+    region.vertices.push_back(static_cast<std::uint32_t>(planes[k].vertices.size()));
+    planes[k].vertices.push_back(in.vector("a coordinate"));
+  }
+  if (kind == "view")
+    planes[k].view = std::move(region.vertices);
+  else
+    loops[k].push_back(std::move(region));
+}
+
+/// `CSLX 1 count`, then regions. Plain readers stop before it.
+/// @return whether it is there; else nothing was read but the first word
+bool read_extension(TextScanner& in, std::vector<FilePlane>& planes, std::vector<std::vector<FileLoop>>& loops) {
+  if (in.word("the extension") != "CSLX") return false;
+  if (in.whole("the extension's version", 1, ErrorCode::unsupported_format) != 1)
+    in.set_error(ErrorCode::unsupported_format, "the extension's version is not 1: export the file for version 1");
+  const std::size_t count = in.count("the number of regions", 2 * kMaxFileSlices * kMaxSliceContours, 20);
+  for (std::size_t i = 0; i < count && !in.failed(); ++i) read_region(in, planes, loops);
+  return true;
 }
 
 }  // namespace
@@ -65,8 +99,9 @@ Result<SliceFile> parse_csl(std::string_view text, std::string_view name) {
         plane_loops.push_back(std::move(loop));
     }
   }
+  if (!in.failed() && !in.at_end() && !planes.empty())
+    notes.trailing_text = !read_extension(in, planes, loops) || !in.at_end();
   if (in.failed()) return in.failure();
-  notes.trailing_text = !in.at_end();
   if (auto ok = place_planes(planes, std::string(name), notes); !ok) return tl::unexpected(ok.error());
   return build_slices(planes, loops, std::string(name), notes);
 }

@@ -2,8 +2,8 @@
 #include <string>
 
 #include "core/io/byte_file.h"
-#include "core/io/mesh_files.h"
-#include "core/io/mesh_parsers.h"
+#include "core/io/meshes/mesh_files.h"
+#include "core/io/meshes/mesh_parsers.h"
 
 namespace sonoloft {
 

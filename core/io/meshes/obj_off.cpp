@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/io/byte_file.h"
-#include "core/io/mesh_builder.h"
-#include "core/io/mesh_files.h"
-#include "core/io/mesh_parsers.h"
+#include "core/io/meshes/mesh_builder.h"
+#include "core/io/meshes/mesh_files.h"
+#include "core/io/meshes/mesh_parsers.h"
 #include "core/io/text_scanner.h"
 
 namespace sonoloft {

@@ -1,4 +1,4 @@
-#include "core/io/slice_file_builder.h"
+#include "core/io/slices/slice_file_builder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -89,7 +89,9 @@ void flip_offsets(std::vector<FilePlane>& planes, SliceFileNotes& notes) {
   notes.flipped_offsets = static_cast<std::uint32_t>(flipped);
 }
 
+/// Views are not joined: where one of two images saw nothing, the other may have.
 bool same_plane(const FilePlane& p, const FilePlane& q, double diagonal) {
+  if (!p.view.empty() || !q.view.empty()) return false;
   const double side = p.normal.dot(q.normal) < 0 ? -1 : 1;
   return (p.normal - side * q.normal).norm() <= kSamePlaneTolerance &&
          std::abs(p.offset - side * q.offset) <= kSamePlaneTolerance * diagonal;
@@ -156,8 +158,10 @@ Result<SliceFile> build_slices(const std::vector<FilePlane>& planes, const std::
       ++file.notes.merged_planes;
     }
     add_loops(file.slices[k], planes[i], loops[i]);
+    for (const std::uint32_t v : planes[i].view) file.slices[k].field_of_view.push_back(planes[i].image[v]);
     any_loop |= !loops[i].empty();
-    if (file.slices[k].points.size() > kMaxSlicePoints || file.slices[k].contours.size() > kMaxSliceContours)
+    if (file.slices[k].points.size() + planes[i].view.size() > kMaxSlicePoints ||
+        file.slices[k].contours.size() > kMaxSliceContours)
       return fail(ErrorCode::too_large, at_line(name, planes[i].line) +
                                             "over 2^20 points or 2^14 contours in one plane: thin out its contours");
   }

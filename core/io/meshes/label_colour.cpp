@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 
 namespace sonoloft {
 

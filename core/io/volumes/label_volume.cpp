@@ -1,4 +1,4 @@
-#include "core/io/label_volume.h"
+#include "core/io/volumes/label_volume.h"
 
 #include <zlib.h>
 

@@ -8,8 +8,9 @@ namespace sonoloft::protocol {
 /// How a transfer over a port ended.
 enum class PortStatus : std::uint8_t {
   ok,
-  timed_out,
+  timed_out,  ///< of a request: its reply never came; it may have been carried out or not
   cancelled,  ///< by cancel_reads()
+  halted,     ///< the stream's endpoint refuses until clear_halt(); what was under way is lost
   gone,       ///< the cable was pulled: this and every later transfer
 };
 
@@ -24,7 +25,7 @@ struct PortTransfer {
 class Port {
  public:
   /// Sends a request and receives its reply, as a control transfer does.
-  /// @pre 8 <= request.size() <= kMaxRequestLen, reply.size() >= kMaxRequestLen (see command.h)
+  /// @pre request.size() <= kMaxRequestLen, reply.size() >= kMaxRequestLen (see command.h); any bytes are legal
   [[nodiscard]] virtual PortTransfer control(std::span<const std::byte> request, std::span<std::byte> reply) = 0;
 
   /// Receives one record, waiting for it up to `timeout_ms`.
@@ -34,6 +35,9 @@ class Port {
   /// Ends a read that waits now, and every one until allow_reads(), with `cancelled`.
   virtual void cancel_reads() = 0;
   virtual void allow_reads() = 0;
+
+  /// Lets a halted stream go on; nothing otherwise. A port that never halts need not override it.
+  virtual void clear_halt() {}
 
  protected:
   ~Port() = default;

@@ -3,23 +3,26 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/slice/tracked_slice.h"
+#include "host/device/clock/clock_map.h"
 #include "protocol/slice.h"
 
 namespace sonoloft::device {
 
 using protocol::PoseStatus;
 
-/// A slice as it came from a device, in mm. `slice.id` is the record's sequence number, `slice.time` the device's
-/// clock.
+/// A slice as it came from a device, in mm. `slice.id` is the record's sequence number. Three clocks' times: that of
+/// the device (`slice.time`, `pose_time`), that of the host (`arrival`), and the device's mapped to the host's.
 struct DeliveredSlice {
   TrackedSlice slice;
   PoseStatus pose_status = PoseStatus::ok;  ///< anything but ok: image_to_reference is not to be used for geometry
   float pose_error_mm = 0;                  ///< the tracker's estimate, rms; 0: none
   std::chrono::nanoseconds pose_time{0};    ///< device clock, when the tracker measured
   std::chrono::steady_clock::time_point arrival;  ///< host clock, when the transfer was complete
+  std::optional<HostTime> host_time;              ///< slice.time on the host's clock; empty while that is unknown
 };
 
 enum class EventKind : std::uint8_t {

@@ -1,5 +1,6 @@
 #include "host/device/run.h"
 
+#include <algorithm>
 #include <cassert>
 #include <chrono>
 #include <exception>
@@ -19,6 +20,8 @@ constexpr std::chrono::milliseconds kBeatPeriod{250};  // the device gives up af
 constexpr std::chrono::milliseconds kBeatPatience{500};
 constexpr std::chrono::milliseconds kStopPatience{300};
 constexpr int kQuietBeats = 4;
+// A stream that stands still: first the pipe is restarted, then the device given up.
+constexpr int kStillBeats = 4, kLostBeats = 12;
 
 thread_local const Run* dispatching = nullptr;  // the run whose callbacks this thread calls
 
@@ -41,6 +44,7 @@ Run::Run(Transport& transport, Requester& requester, Plan plan)
       requester_(requester),
       plan_(std::move(plan)),
       acceptor_(plan_.agreement),
+      clock_(requester, plan_.start.session_id),
       queue_(plan_.queue_capacity) {}
 
 Run::~Run() {
@@ -48,6 +52,7 @@ Run::~Run() {
 }
 
 Result<void> Run::begin() {
+  clock_.burst([](std::chrono::microseconds) { return true; });  // so that the first slice's time is mapped already
   if (auto started = transport_.start_stream(*this, plan_.agreement.max_record); !started) return started;
   if (auto started = requester_.tell(Command::start, protocol::bytes_of(plan_.start)); !started) {
     (void)requester_.tell(Command::stop, {}, kStopPatience);  // a START whose reply got lost may have worked
@@ -56,6 +61,7 @@ Result<void> Run::begin() {
     return started;
   }
   dispatcher_ = std::jthread([this] { dispatch(); });
+  next_beat_ = std::chrono::steady_clock::now() + kBeatPeriod;
   keeper_ = std::jthread([this] { keep(); });
   return {};
 }
@@ -76,14 +82,20 @@ bool Run::on_dispatcher() const {
   return dispatching == this;
 }
 
+bool Run::lost() const {
+  const std::lock_guard lock(mutex_);
+  return gone_;
+}
+
 bool Run::stopping() const {
   const std::lock_guard lock(mutex_);
   return stopping_;
 }
 
-Ledger Run::ledger() const {
+Statistics Run::statistics() const {
+  const auto clock = clock_.figures();
   const std::lock_guard lock(mutex_);
-  return books_.ledger();
+  return {books_.ledger(), rejected_, clock};
 }
 
 // ---- the event thread
@@ -95,13 +107,15 @@ void Run::on_transfer(std::span<const std::byte> transfer) {
   // The calibration cannot change while a device streams, so another one is nonsense.
   if (reason == Reject::none && accepted.slice.calibration_id != plan_.calibration.id) reason = Reject::meaning;
   if (reason != Reject::none) return count_reject(reason);
-  enqueue(std::make_shared<const DeliveredSlice>(
-              to_delivered(accepted.slice, accepted.header.seq, plan_.calibration, arrival)),
-          accepted.header.device_dropped_total);
+  auto slice =
+      std::make_shared<DeliveredSlice>(to_delivered(accepted.slice, accepted.header.seq, plan_.calibration, arrival));
+  slice->host_time = clock_.at(slice->slice.time);
+  enqueue(std::move(slice), accepted.header.device_dropped_total);
 }
 
 void Run::count_reject(Reject reason) {
   const std::lock_guard lock(mutex_);
+  ++rejected_[static_cast<std::size_t>(reason)];
   switch (reason) {
     case Reject::header_crc:
     case Reject::payload_crc:
@@ -178,13 +192,17 @@ void Run::call_event(const Event& event) {
 // ---- the keeper
 
 void Run::keep() {
-  while (wait_for_beat()) beat();
+  while (wait_for_work()) {
+    if (std::chrono::steady_clock::now() >= next_beat_) beat();
+    if (std::chrono::steady_clock::now() >= clock_.next_burst()) synchronise();
+  }
   {
     std::unique_lock lock(mutex_);
     if (gone_ && !stopping_) {
       lock.unlock();
       transport_.stop_stream();  // so that the last slices come before the news
-      report({EventKind::disconnected, "the device went away: plug it in and open it again"});
+      report({EventKind::disconnected, stalled_ ? "the device's stream stands still: start again, which resets it"
+                                                : "the device went away: plug it in and start again"});
       lock.lock();
       to_keeper_.wait(lock, [&] { return stopping_; });
     }
@@ -192,16 +210,25 @@ void Run::keep() {
   take_down();
 }
 
-bool Run::wait_for_beat() {
+bool Run::wait_for_work() {
   std::unique_lock lock(mutex_);
-  return !to_keeper_.wait_for(lock, kBeatPeriod, [&] { return stopping_ || gone_; });
+  return !to_keeper_.wait_until(lock, std::min(next_beat_, clock_.next_burst()), [&] { return stopping_ || gone_; });
+}
+
+void Run::synchronise() {
+  clock_.burst([this](std::chrono::microseconds pause) {
+    std::unique_lock lock(mutex_);
+    return !to_keeper_.wait_for(lock, pause, [&] { return stopping_ || gone_; });
+  });
 }
 
 void Run::beat() {
+  next_beat_ = std::chrono::steady_clock::now() + kBeatPeriod;
   const auto reply = requester_.ask<protocol::HeartbeatReply>(Command::heartbeat, {}, kBeatPatience);
   if (reply) {
     look_for_fault(*reply);
     look_for_end(*reply);
+    look_for_stall(*reply);
   } else if (reply.error().code == ErrorCode::transport_closed) {
     on_gone();
   }  // any other failure: the next beat may fare better, and the device says so itself when it stops
@@ -229,6 +256,19 @@ void Run::look_for_end(const protocol::HeartbeatReply& beat) {
   report({EventKind::end_of_data, "the device has nothing more in this session: stop"});
 }
 
+void Run::look_for_stall(const protocol::HeartbeatReply& beat) {
+  {
+    const std::lock_guard lock(mutex_);
+    const bool held_back =
+        plan_.start.mode == static_cast<std::uint16_t>(protocol::StreamMode::lossless) && queue_.full();
+    const bool still = beat.ring_used != 0 && books_.seen() == seen_at_last_look_ && !held_back;
+    seen_at_last_look_ = books_.seen();
+    still_beats_ = still ? still_beats_ + 1 : 0;
+    if (still_beats_ == kLostBeats) gone_ = stalled_ = true;
+  }
+  if (still_beats_ == kStillBeats) transport_.restart_stream();
+}
+
 void Run::report(Event event) {
   const std::lock_guard lock(mutex_);
   queue_.push(std::move(event));
@@ -239,7 +279,7 @@ void Run::take_down() {
   bool gone;
   {
     const std::lock_guard lock(mutex_);
-    gone = gone_;
+    gone = gone_ && !stalled_;
   }
   if (!gone) (void)requester_.tell(Command::stop, {}, kStopPatience);  // its failure shows in the books
   transport_.stop_stream();

@@ -7,10 +7,12 @@
 
 #include "core/slice/result.h"
 #include "host/device/calibration.h"
+#include "host/device/clock/clock_keeper.h"
 #include "host/device/delivered_slice.h"
 #include "host/device/delivery_queue.h"
 #include "host/device/ledger.h"
 #include "host/device/requester.h"
+#include "host/device/statistics.h"
 #include "host/device/transport.h"
 #include "protocol/accept.h"
 #include "protocol/command.h"
@@ -44,7 +46,9 @@ class Run final : private TransferSink {
 
   [[nodiscard]] bool on_dispatcher() const;
   [[nodiscard]] bool stopping() const;
-  [[nodiscard]] Ledger ledger() const;
+  /// The device went away, or its stream stood still and nothing helped.
+  [[nodiscard]] bool lost() const;
+  [[nodiscard]] Statistics statistics() const;
 
  private:
   void on_transfer(std::span<const std::byte> transfer) override;
@@ -57,10 +61,12 @@ class Run final : private TransferSink {
   void call_event(const Event& event);
 
   void keep();
-  bool wait_for_beat();
+  bool wait_for_work();
   void beat();
+  void synchronise();
   void look_for_fault(const protocol::HeartbeatReply& beat);
   void look_for_end(const protocol::HeartbeatReply& beat);
+  void look_for_stall(const protocol::HeartbeatReply& beat);
   void report(Event event);
   void take_down();
 
@@ -69,16 +75,23 @@ class Run final : private TransferSink {
   const Plan plan_;
   protocol::Acceptor acceptor_;  ///< the event thread's
 
+  ClockKeeper clock_;  ///< after begin(), its bursts are the keeper's
+
   // The keeper's.
+  std::chrono::steady_clock::time_point next_beat_{};
   bool fault_told_ = false, end_told_ = false;
   std::uint64_t seen_at_last_beat_ = 0;
   int quiet_beats_ = 0;
+  std::uint64_t seen_at_last_look_ = 0;
+  int still_beats_ = 0;
 
   mutable std::mutex mutex_;  ///< guards what follows; never held during a callback or a request
   std::condition_variable to_dispatcher_, to_keeper_, room_;
   DeliveryQueue queue_;
   Books books_;
+  std::array<std::uint64_t, protocol::kRejectCount> rejected_{};
   bool stopping_ = false, gone_ = false;
+  bool stalled_ = false;  ///< gone_ in effect, but it still answers
 
   std::jthread dispatcher_, keeper_;
 };

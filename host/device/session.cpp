@@ -95,23 +95,30 @@ Run::Plan make_plan(const DeviceInfo& info, const Calibration& calibration, cons
 
 Result<std::unique_ptr<Session>> Session::open(std::unique_ptr<Transport> transport) {
   auto requester = std::make_unique<Requester>(*transport);
-  if (const auto stopped = requester->tell(Command::stop); !stopped) return tl::unexpected(stopped.error());
-  const auto reply = requester->ask<protocol::InfoReply>(Command::get_info);
-  if (!reply) return tl::unexpected(reply.error());
-  auto info = agree(*reply);
+  const auto greeting = greet(*requester);
+  if (!greeting) return tl::unexpected(greeting.error());
+  auto info = agree(greeting->info);
   if (!info) return tl::unexpected(info.error());
-  const auto message = requester->ask<protocol::CalibrationMessage>(Command::get_calibration);
-  if (!message) return tl::unexpected(message.error());
-  auto calibration = make_calibration(*message);
+  auto calibration = make_calibration(greeting->calibration);
   if (!calibration) return tl::unexpected(calibration.error());
   return std::unique_ptr<Session>(
-      new Session(std::move(transport), std::move(requester), std::move(*info), *calibration));
+      new Session(std::move(transport), std::move(requester), *greeting, std::move(*info), *calibration));
 }
 
-Session::Session(std::unique_ptr<Transport> transport, std::unique_ptr<Requester> requester, DeviceInfo info,
-                 Calibration calibration)
+Result<Session::Greeting> Session::greet(Requester& requester) {
+  if (const auto stopped = requester.tell(Command::stop); !stopped) return tl::unexpected(stopped.error());
+  const auto info = requester.ask<protocol::InfoReply>(Command::get_info);
+  if (!info) return tl::unexpected(info.error());
+  const auto calibration = requester.ask<protocol::CalibrationMessage>(Command::get_calibration);
+  if (!calibration) return tl::unexpected(calibration.error());
+  return Greeting{*info, *calibration};
+}
+
+Session::Session(std::unique_ptr<Transport> transport, std::unique_ptr<Requester> requester, const Greeting& greeting,
+                 DeviceInfo info, Calibration calibration)
     : transport_(std::move(transport)),
       requester_(std::move(requester)),
+      greeting_(greeting),
       info_(std::move(info)),
       calibration_(calibration) {}
 
@@ -145,6 +152,7 @@ Result<void> Session::start(const StreamOptions& options, Callbacks callbacks) {
     return fail(ErrorCode::wrong_state, "the session is running: stop() it first");
   }
   finish_run();
+  if (auto there = find_again(); !there) return there;
   const auto run =
       std::make_shared<Run>(*transport_, *requester_, make_plan(info_, calibration_, options, std::move(callbacks)));
   {
@@ -159,6 +167,23 @@ Result<void> Session::start(const StreamOptions& options, Callbacks callbacks) {
   return begun;
 }
 
+Result<void> Session::find_again() {
+  if (!lost_) {
+    const auto stopped = requester_->tell(Command::stop);
+    if (stopped || stopped.error().code != ErrorCode::transport_closed) return stopped;
+    lost_ = true;
+  }
+  if (auto reopened = transport_->reopen(); !reopened) return reopened;
+  const auto greeting = greet(*requester_);
+  if (!greeting) return tl::unexpected(greeting.error());
+  if (std::memcmp(&*greeting, &greeting_, sizeof greeting_) != 0) {
+    return fail(ErrorCode::protocol_mismatch,
+                "the device came back with another firmware or calibration: open it anew");
+  }
+  lost_ = false;
+  return {};
+}
+
 void Session::stop() {
   if (const auto run = this->run(); run && run->on_dispatcher()) return run->request_stop();
   const std::lock_guard life(life_mutex_);
@@ -170,14 +195,15 @@ void Session::finish_run() {
   if (!run) return;
   run->request_stop();
   run->join();
+  lost_ = run->lost();
   const std::lock_guard lock(state_mutex_);
-  last_ledger_ = run->ledger();
+  last_ = run->statistics();
   run_.reset();
 }
 
-Ledger Session::ledger() const {
+Statistics Session::statistics() const {
   const std::lock_guard lock(state_mutex_);
-  return run_ ? run_->ledger() : last_ledger_;
+  return run_ ? run_->statistics() : last_;
 }
 
 }  // namespace sonoloft::device

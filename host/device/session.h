@@ -8,7 +8,7 @@
 #include "core/slice/result.h"
 #include "host/device/calibration.h"
 #include "host/device/delivered_slice.h"
-#include "host/device/ledger.h"
+#include "host/device/statistics.h"
 #include "host/device/transport.h"
 #include "protocol/command.h"
 
@@ -62,9 +62,11 @@ class Session {
   [[nodiscard]] const DeviceInfo& info() const { return info_; }
   [[nodiscard]] const Calibration& calibration() const { return calibration_; }
 
-  /// Starts a run under a new session id. Slices begin to arrive before it returns.
+  /// Starts a run under a new session id. Slices begin to arrive before it returns. A device that went away since the
+  /// last run is looked for, one that stood still is reset, and the session goes on with it when it is the same.
   /// @error wrong_state (running, or called from a callback), invalid_argument (empty queue),
-  ///        protocol_mismatch (the device has no such mode), and those of open()
+  ///        protocol_mismatch (the device has no such mode, or says something else of itself than at open()),
+  ///        device_not_found (it is not back yet), and those of open()
   [[nodiscard]] Result<void> start(const StreamOptions& options, Callbacks callbacks);
 
   /// Ends the run; slices that still wait are dropped and counted. Legal at any time.
@@ -72,24 +74,36 @@ class Session {
   /// From elsewhere: returns after the last callback has returned and the books are closed.
   void stop();
 
-  /// The books of the present run, or of the last one. Closed only after stop() returned outside of callbacks.
-  [[nodiscard]] Ledger ledger() const;
+  /// The figures of the present run, or of the last one. Its books are closed only after stop() returned outside of
+  /// callbacks.
+  [[nodiscard]] Statistics statistics() const;
+  [[nodiscard]] Ledger ledger() const { return statistics().ledger; }
 
  private:
-  Session(std::unique_ptr<Transport> transport, std::unique_ptr<Requester> requester, DeviceInfo info,
-          Calibration calibration);
+  /// What a device says when it is opened.
+  struct Greeting {
+    protocol::InfoReply info;
+    protocol::CalibrationMessage calibration;
+  };
+
+  Session(std::unique_ptr<Transport> transport, std::unique_ptr<Requester> requester, const Greeting& greeting,
+          DeviceInfo info, Calibration calibration);
+  static Result<Greeting> greet(Requester& requester);
+  Result<void> find_again();
   [[nodiscard]] std::shared_ptr<Run> run() const;
   [[nodiscard]] bool on_dispatcher() const;
   void finish_run();  ///< with life_mutex_ held
 
   std::unique_ptr<Transport> transport_;
   std::unique_ptr<Requester> requester_;
+  const Greeting greeting_;
   DeviceInfo info_;
   Calibration calibration_;
+  bool lost_ = false;               ///< in the last run; with life_mutex_ held
   std::mutex life_mutex_;           ///< one start or stop at a time; never taken on a callback's thread
-  mutable std::mutex state_mutex_;  ///< guards run_ and last_ledger_; held for moments only
+  mutable std::mutex state_mutex_;  ///< guards run_ and last_; held for moments only
   std::shared_ptr<Run> run_;
-  Ledger last_ledger_;
+  Statistics last_;
 };
 
 }  // namespace sonoloft::device

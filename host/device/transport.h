@@ -32,7 +32,7 @@ class TransferSink {
 /// own; it exists at least from start_stream() to stop_stream().
 ///
 /// Lifetime. A transport is born open and closes when destroyed; @pre of the destructor: the stream is stopped. After
-/// the device went away every call returns transport_closed at once.
+/// the device went away every call returns transport_closed at once, until reopen() found it again.
 class Transport {
  public:
   virtual ~Transport() = default;
@@ -56,6 +56,18 @@ class Transport {
   /// call into the sink has returned. A transfer that had finished before is still handed over, not lost.
   /// Legal when no stream runs and after the device went away. @cost under 100 ms beyond the sink's own time
   virtual void stop_stream() = 0;
+
+  /// The stream stands still though the device has something to send: takes back what waits on this side, clears what
+  /// hinders it on the other, and goes on. From any thread but the event thread, while a stream runs. Buses without
+  /// such states have nothing to do.
+  virtual void restart_stream() {}
+
+  /// Looks for the device again after it went away, or resets one that does not come to its senses, so that a session
+  /// can go on with it. @pre no stream runs, no other call is under way
+  /// @error transport_closed: this bus cannot, or the device is not back; device_not_found, io_failed
+  [[nodiscard]] virtual Result<void> reopen() {
+    return fail(ErrorCode::transport_closed, "the device was unplugged: plug it in and open it again");
+  }
 
  protected:
   Transport() = default;

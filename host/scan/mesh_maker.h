@@ -1,6 +1,5 @@
 #pragma once
 // device -> slices -> [MESH MAKER] -> MeshUpdate -> your callback
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -29,19 +28,20 @@ class MeshMaker {
 
   /// See Reconstructor. The mesh follows with the next make().
   [[nodiscard]] Result<void> withdraw(std::uint64_t slice_id) { return reconstructor_.withdraw(slice_id); }
-  [[nodiscard]] std::vector<ChunkConfidence> confidence() { return reconstructor_.confidence(); }
+  [[nodiscard]] Confidence confidence(std::span<const Eigen::Vector3f> points_mm) {
+    return reconstructor_.confidence(points_mm);
+  }
   [[nodiscard]] Coverage coverage() { return reconstructor_.coverage(); }
 
   [[nodiscard]] std::string field_device() const { return reconstructor_.device_name(); }
 
  private:
   MeshMaker(Reconstructor reconstructor, const Eigen::Vector3d& centre_mm)
-      : reconstructor_(std::move(reconstructor)),
-        statistics_{LabelStatisticsKeeper(centre_mm), LabelStatisticsKeeper(centre_mm)} {}
+      : reconstructor_(std::move(reconstructor)), statistics_(kDetails, LabelStatisticsKeeper(centre_mm)) {}
   SliceReport add(std::shared_ptr<const device::DeliveredSlice> slice);
 
   Reconstructor reconstructor_;
-  std::array<LabelStatisticsKeeper, 2> statistics_;  ///< [Detail]
+  std::vector<LabelStatisticsKeeper> statistics_;  ///< [Detail]
   struct Shown {
     Detail detail = Detail::full;
     MeshSnapshot mesh;

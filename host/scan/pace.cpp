@@ -6,7 +6,9 @@ namespace sonoloft {
 namespace {
 
 /// Half the spacing is four times the surface samples and triangles.
-constexpr int kFullOverCoarse = 4;
+constexpr int kOverNextCoarser = 4;
+
+constexpr std::array kFromFinest = {Detail::full, Detail::coarse, Detail::draft};
 
 }  // namespace
 
@@ -16,8 +18,8 @@ void Pace::slice_arrived(Clock::time_point when) {
 }
 
 void Pace::took(Detail detail, Clock::duration time) {
-  const Clock::duration full = detail == Detail::full ? time : kFullOverCoarse * time;
-  full_time_ = (full_time_ + full) / 2;
+  for (int coarser = 0; coarser < static_cast<int>(detail); ++coarser) time *= kOverNextCoarser;
+  full_time_ = (full_time_ + time) / 2;
 }
 
 Pace::Clock::duration Pace::between_slices() const {
@@ -29,7 +31,13 @@ Pace::Clock::duration Pace::between_slices() const {
 }
 
 Detail Pace::next() const {
-  return gap_count_ > 0 && full_time_ > between_slices() ? Detail::coarse : Detail::full;
+  if (gap_count_ == 0) return Detail::full;
+  Clock::duration time = full_time_;
+  for (const Detail detail : kFromFinest) {
+    if (time <= between_slices()) return detail;
+    time /= kOverNextCoarser;
+  }
+  return kFromFinest.back();
 }
 
 Pace::Clock::duration Pace::patience() const {

@@ -9,8 +9,8 @@
 
 namespace sonoloft {
 
-/// Keeps the meshes of a live scan up with its slices: full detail as long as it takes less time than lies between two
-/// slices, coarse detail otherwise. Threads: one at a time.
+/// Keeps the meshes of a live scan up with its slices: the finest detail that takes less time than lies between two
+/// slices, or the coarsest. Threads: one at a time.
 class Pace {
  public:
   using Clock = std::chrono::steady_clock;

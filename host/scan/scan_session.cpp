@@ -12,6 +12,7 @@
 
 #include "host/scan/mesh_maker.h"
 #include "host/scan/pace.h"
+#include "host/scan/pose_alignment.h"
 
 namespace sonoloft {
 namespace {
@@ -67,8 +68,10 @@ struct ScanSession::State : std::enable_shared_from_this<State> {
 
   const ScanOptions options;
   const std::unique_ptr<device::Session> device;
-  MeshMaker maker;  ///< the reconstruction thread's
-  Pace pace;        ///< the reconstruction thread's
+  std::mutex maker_mutex;  ///< guards the next; never held during a callback
+  MeshMaker maker;
+  Pace pace;                    ///< the reconstruction thread's
+  Detail shown = Detail::full;  ///< of the last mesh made; the reconstruction thread's
   const std::string field_device;
 
   std::mutex life_mutex;  ///< one start or stop at a time; never taken on the reconstruction thread
@@ -80,6 +83,7 @@ struct ScanSession::State : std::enable_shared_from_this<State> {
   struct Waiting {
     std::deque<std::shared_ptr<const DeliveredSlice>> slices;
     std::vector<ScanEvent> events;
+    bool withdrawn = false;  ///< a slice was taken back
   };
   Waiting waiting;
   SliceCounts counts;
@@ -92,7 +96,9 @@ struct ScanSession::State : std::enable_shared_from_this<State> {
   bool on_reconstruction_thread() const { return reconstructing == this; }
 
   // The dispatcher's.
+  std::optional<PoseAlignment> alignment;
   void take_in(std::shared_ptr<const DeliveredSlice> slice);
+  void enqueue(std::shared_ptr<const DeliveredSlice> slice);
   void take_in(const device::Event& event);
 
   // The reconstruction thread's.
@@ -121,8 +127,9 @@ Result<void> ScanSession::State::start(ScanCallbacks new_callbacks) {
   {
     const std::lock_guard lock(mutex);
     stopping = overflow_told = false;
-    waiting = {};
+    waiting = {{}, {}, waiting.withdrawn};
   }
+  if (options.pose_offset) alignment.emplace(*options.pose_offset, device->calibration().image_to_probe);
   callbacks = std::move(new_callbacks);
   thread = std::jthread([self = shared_from_this()] { self->reconstruct(); });
   device::Callbacks from_device{[this](std::shared_ptr<const DeliveredSlice> slice) { take_in(std::move(slice)); },
@@ -147,6 +154,11 @@ void ScanSession::State::request_stop() {
 // ---- the dispatcher
 
 void ScanSession::State::take_in(std::shared_ptr<const DeliveredSlice> slice) {
+  if (!alignment) return enqueue(std::move(slice));
+  for (auto& ready : alignment->push(std::move(slice))) enqueue(std::move(ready));
+}
+
+void ScanSession::State::enqueue(std::shared_ptr<const DeliveredSlice> slice) {
   std::unique_lock lock(mutex);
   ++counts.delivered;
   if (options.stream.mode == device::StreamMode::lossless)
@@ -169,6 +181,10 @@ void ScanSession::State::take_in(std::shared_ptr<const DeliveredSlice> slice) {
 }
 
 void ScanSession::State::take_in(const device::Event& event) {
+  const bool over = event.kind == device::EventKind::end_of_data || event.kind == device::EventKind::disconnected;
+  if (alignment && over) {
+    for (auto& slice : alignment->flush()) enqueue(std::move(slice));
+  }
   const std::lock_guard lock(mutex);
   waiting.events.push_back({scan_kind(event.kind), event.message});
   to_reconstruction.notify_all();
@@ -181,15 +197,19 @@ void ScanSession::State::reconstruct() {
   for (Waiting batch; wait(batch); batch = {}) work_off(batch);
   device->stop();
   const std::lock_guard lock(mutex);
-  counts.dropped += waiting.slices.size();
-  waiting = {};
+  const std::size_t unaligned = alignment ? alignment->waiting() : 0;
+  counts.delivered += unaligned;
+  counts.dropped += waiting.slices.size() + unaligned;
+  waiting = {{}, {}, waiting.withdrawn};
 }
 
 /// @return false when it is over; an empty batch when slices pause and the mesh is coarse
 bool ScanSession::State::wait(Waiting& batch) {
   std::unique_lock lock(mutex);
-  const auto something = [&] { return stopping || !waiting.slices.empty() || !waiting.events.empty(); };
-  if (maker.detail() == Detail::coarse)
+  const auto something = [&] {
+    return stopping || waiting.withdrawn || !waiting.slices.empty() || !waiting.events.empty();
+  };
+  if (shown != Detail::full)
     to_reconstruction.wait_for(lock, pace.patience(), something);
   else
     to_reconstruction.wait(lock, something);
@@ -203,7 +223,7 @@ bool ScanSession::State::wait(Waiting& batch) {
 void ScanSession::State::work_off(const Waiting& batch) {
   for (const auto& slice : batch.slices) pace.slice_arrived(slice->arrival);
   const Detail detail = choose_detail(batch);
-  if (!batch.slices.empty() || detail != maker.detail()) {
+  if (!batch.slices.empty() || batch.withdrawn || detail != shown) {
     auto made = make(batch, detail);
     if (!made) return fail_for_good(made.error().message, batch.slices.size());
     deliver(std::move(*made));
@@ -212,19 +232,21 @@ void ScanSession::State::work_off(const Waiting& batch) {
 }
 
 Detail ScanSession::State::choose_detail(const Waiting& batch) const {
-  const bool pause = batch.slices.empty() && batch.events.empty();
+  const bool pause = batch.slices.empty() && batch.events.empty() && !batch.withdrawn;
   const bool last = std::any_of(batch.events.begin(), batch.events.end(), [](const ScanEvent& event) {
     return event.kind == ScanEventKind::end_of_data || event.kind == ScanEventKind::disconnected;
   });
   if (pause || last || options.stream.mode == device::StreamMode::lossless) return Detail::full;
-  return batch.slices.empty() ? maker.detail() : pace.next();
+  return batch.slices.empty() && !batch.withdrawn ? shown : pace.next();
 }
 
 Result<std::shared_ptr<MeshUpdate>> ScanSession::State::make(const Waiting& batch, Detail detail) {
   try {
     const std::vector<std::shared_ptr<const DeliveredSlice>> slices(batch.slices.begin(), batch.slices.end());
     const auto start = Clock::now();
+    const std::lock_guard lock(maker_mutex);
     auto made = maker.make(slices, detail);
+    shown = detail;
     pace.took(detail, Clock::now() - start);
     return made;
   } catch (const std::exception& e) {
@@ -307,6 +329,27 @@ void ScanSession::stop() {
   if (state_->on_reconstruction_thread()) return state_->request_stop();
   const std::lock_guard life(state_->life_mutex);
   state_->finish_run();
+}
+
+Result<void> ScanSession::withdraw(std::uint64_t slice_id) {
+  {
+    const std::lock_guard lock(state_->maker_mutex);
+    if (auto done = state_->maker.withdraw(slice_id); !done) return done;
+  }
+  const std::lock_guard lock(state_->mutex);
+  state_->waiting.withdrawn = true;
+  state_->to_reconstruction.notify_all();
+  return {};
+}
+
+Coverage ScanSession::coverage() const {
+  const std::lock_guard lock(state_->maker_mutex);
+  return state_->maker.coverage();
+}
+
+Confidence ScanSession::confidence(std::span<const Eigen::Vector3f> points_mm) const {
+  const std::lock_guard lock(state_->maker_mutex);
+  return state_->maker.confidence(points_mm);
 }
 
 device::Ledger ScanSession::ledger() const {

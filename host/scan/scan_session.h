@@ -1,8 +1,11 @@
 #pragma once
 // device -> slices -> reconstruction -> [SCAN SESSION] -> your callback
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 
 #include "core/reconstructor/reconstructor.h"
@@ -20,6 +23,9 @@ struct ScanOptions {
   /// first, and are counted. lossless: they hold the link back.
   device::StreamOptions stream;
   std::size_t queue_capacity = 256;  ///< slices that may wait for the reconstruction, at least 1
+  /// Poses are interpolated: an image gets the one of its time + this offset, which `sonoloft calibrate-time` measures.
+  /// Slices then come one tracker period later. Empty: an image keeps the pose that came with it.
+  std::optional<std::chrono::nanoseconds> pose_offset;
 };
 
 /// What a scan calls: always on the scan's reconstruction thread, one call at a time, with no lock held. Every member
@@ -58,6 +64,17 @@ class ScanSession {
   /// From a callback: marks and returns at once; after that callback has returned no other runs.
   /// From elsewhere: returns after the last callback has returned and the books are closed.
   void stop();
+
+  /// Takes back a slice that the reconstruction has taken in, by DeliveredSlice::slice.id: a segmentation was
+  /// corrected, a pose was wrong. While a run goes on a mesh without it follows at once, else with the next run.
+  /// @error invalid_argument: no such slice is held. Waits for an update that runs.
+  [[nodiscard]] Result<void> withdraw(std::uint64_t slice_id);
+  /// What was seen so far and what was not, and which plane would show most of the rest. Waits for an update that runs;
+  /// some 50 ms.
+  [[nodiscard]] Coverage coverage() const;
+  /// How sure vertices of the last mesh are. Called in on_mesh, "the last mesh" is that of the update at hand;
+  /// elsewhere a newer one may have come. Waits for an update that runs.
+  [[nodiscard]] Confidence confidence(std::span<const Eigen::Vector3f> points_mm) const;
 
   /// Books of the present run of the device, or of the last one; closed after stop() returned outside of callbacks.
   [[nodiscard]] device::Ledger ledger() const;

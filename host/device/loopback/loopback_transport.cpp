@@ -40,14 +40,16 @@ LoopbackTransport::~LoopbackTransport() {
 Result<std::size_t> LoopbackTransport::control(std::span<const std::byte> request, std::span<std::byte> reply,
                                                std::chrono::milliseconds) {
   const auto done = port_.control(request, reply);
-  if (done.status != PortStatus::ok) return gone();
-  return done.size;
+  if (done.status == PortStatus::ok) return done.size;
+  if (done.status == PortStatus::gone) return gone();
+  return fail(ErrorCode::timed_out, "the device did not answer: check the cable, then open it again");
 }
 
 Result<void> LoopbackTransport::start_stream(TransferSink& sink, std::size_t max_record) {
   assert(!event_thread_.joinable());
   port_.allow_reads();
   TransferBuffer stale(max_record);
+  port_.clear_halt();
   auto status = PortStatus::ok;
   while (status == PortStatus::ok) status = port_.read(stale.bytes(), 0).status;
   if (status == PortStatus::gone) return gone();
@@ -70,6 +72,9 @@ void LoopbackTransport::pass_on(TransferSink& sink, std::size_t max_record) {
         sink.on_transfer(buffer.bytes().first(done.size));
         break;
       case PortStatus::timed_out:
+        break;
+      case PortStatus::halted:
+        port_.clear_halt();
         break;
       case PortStatus::cancelled:
         return;

@@ -10,7 +10,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// Slices at a fixed distance in time; a full mesh takes `full`, a coarse one a quarter of that.
+/// Slices at a fixed distance in time; a full mesh takes `full`, a coarse one a quarter of that, a draft a quarter
+/// again.
 struct Sweep {
   Pace pace;
   Pace::Clock::time_point now;
@@ -18,7 +19,7 @@ struct Sweep {
   Detail slice(Pace::Clock::duration gap, Pace::Clock::duration full) {
     pace.slice_arrived(now += gap);
     const Detail detail = pace.next();
-    pace.took(detail, detail == Detail::full ? full : full / 4);
+    pace.took(detail, detail == Detail::full ? full : detail == Detail::coarse ? full / 4 : full / 16);
     return detail;
   }
   int coarse_of(int slices, Pace::Clock::duration gap, Pace::Clock::duration full) {
@@ -39,6 +40,16 @@ TEST_CASE("pace: coarse detail after a few slices when it does not, and full aga
   Sweep sweep;
   CHECK(sweep.coarse_of(50, 33ms, 100ms) >= 48);
   CHECK(sweep.coarse_of(50, 150ms, 100ms) <= 6);
+}
+
+TEST_CASE("pace: a draft where coarse detail does not keep up either, and coarse detail again when it does") {
+  Sweep sweep;
+  sweep.coarse_of(10, 33ms, 400ms);
+  for (int i = 0; i < 20; ++i) CHECK(sweep.slice(33ms, 400ms) == Detail::draft);
+  sweep.coarse_of(10, 33ms, 100ms);
+  for (int i = 0; i < 20; ++i) CHECK(sweep.slice(33ms, 100ms) == Detail::coarse);
+  sweep.coarse_of(10, 33ms, 10s);
+  CHECK(sweep.slice(33ms, 10s) == Detail::draft);
 }
 
 TEST_CASE("pace: one slow mesh, and one pause of the hand, change nothing") {

@@ -81,6 +81,24 @@ TEST_CASE("scan: every slice is delivered in a mesh once, in order, and the coun
   MESSAGE(updates.size(), " meshes of ", kSlices, " slices");
 }
 
+TEST_CASE("scan: with poses interpolated every slice is used once, but the last, which no later pose follows") {
+  ScanOptions options = ball_scan_options();
+  options.pose_offset = std::chrono::microseconds(500);  // the ball's slices are 1 ms apart
+  const auto updates = updates_of_ball(options);
+  REQUIRE(!updates.empty());
+  std::uint64_t id = 0;
+  for (const auto& update : updates) {
+    for (const SliceReport& slice : update->slices) {
+      CHECK(slice.slice->slice.id == id++);
+      CAPTURE(slice.reason);
+      CHECK((slice.fate == SliceFate::refused) == (id == kSlices));
+      if (id < kSlices) CHECK(slice.slice->pose_time == slice.slice->slice.time + std::chrono::microseconds(500));
+    }
+  }
+  CHECK(updates.back()->counts.refused == 1);
+  CHECK(total(updates.back()->counts) == kSlices);
+}
+
 TEST_CASE("scan: the last mesh is the one that the same slices give without a scan") {
   const auto updates = updates_of_ball();
   auto batch = Reconstructor::create(ball_scan_options().reconstructor);
@@ -224,7 +242,7 @@ TEST_CASE("statistics: a chunk that vanishes takes its triangles and its volume 
   CHECK(labels[0].label == 3);
 }
 
-TEST_CASE("scan: slices that come faster than full meshes get coarse ones, and a full one when they pause") {
+TEST_CASE("scan: slices that come faster than full meshes get coarser ones, and a full one when they pause") {
   auto options = ball_scan_options();
   options.reconstructor.spacing_mm = 0.5;  // a full mesh takes longer than the millisecond between two slices
   options.stream.mode = device::StreamMode::live;
@@ -236,9 +254,9 @@ TEST_CASE("scan: slices that come faster than full meshes get coarse ones, and a
   ScanInbox inbox;
   const auto scan = open_scan(device.port(), options);
   REQUIRE(scan->start(inbox.callbacks()));
-  CHECK(inbox.wait_for_detail(Detail::coarse));
+  CHECK(inbox.wait_for_full(false));
   paused = true;
-  CHECK(inbox.wait_for_detail(Detail::full));
+  CHECK(inbox.wait_for_full(true));
   paused = false;
   paused.notify_all();
   scan->stop();
@@ -246,7 +264,7 @@ TEST_CASE("scan: slices that come faster than full meshes get coarse ones, and a
   const auto updates = inbox.updates();
   std::size_t coarse = 0;
   for (std::size_t i = 1; i < updates.size(); ++i) {
-    coarse += updates[i]->detail == Detail::coarse ? 1 : 0;
+    coarse += updates[i]->detail != Detail::full ? 1 : 0;
     CHECK(updates[i]->revision == updates[i - 1]->revision + updates[i]->slices.size());
     if (updates[i]->detail == updates[i - 1]->detail) continue;
     std::set<BrickCoord> all;

@@ -17,7 +17,6 @@
 #include "core/mesh/surface_extractor.h"
 #include "core/octree/sample_octree.h"
 #include "core/reconstructor/cell_admission.h"
-#include "core/slice/parallel.h"
 #include "core/slice/section.h"
 
 namespace sonoloft {
@@ -27,14 +26,13 @@ using Clock = std::chrono::steady_clock;
 
 /// Slices that pass nearer than this share of the spacing cannot both be told apart in the mesh.
 constexpr double kMergeGap = 0.25;
-/// What one sample of the coarse detail stands for, in each axis.
-constexpr double kCoarseSpacings = 2;
+/// Spacing of the next coarser detail over that of a detail.
+constexpr double kCoarser = 2;
 /// Chunk keys hold 2^18 lattice points to either side.
 constexpr double kMaxLatticePoints = 1 << 18;
 /// Finer backgrounds, as a share of the box, are slow and say no more.
 constexpr double kFinestBackground = 1e-3;
 constexpr double kBackgroundNodes = 64;  ///< in an object, for recorded slices
-constexpr double kCornerSpacing = 2;     ///< of the published completion, in spacings of the background
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -80,7 +78,7 @@ struct Reconstructor::State {
       : options(o),
         evaluator(std::move(field)),
         cells(o.box, kMergeGap * o.spacing_mm),
-        levels{Level(o, 1), Level(o, kCoarseSpacings)} {}
+        levels{Level(o, 1), Level(o, kCoarser), Level(o, kCoarser * kCoarser)} {}
 
   ReconstructorOptions options;
   std::unique_ptr<FieldEvaluator> evaluator;
@@ -90,8 +88,8 @@ struct Reconstructor::State {
   std::optional<Background> background;  ///< once there is a need
   std::optional<PublishedCompletion> completion;
   bool completion_due = false;
-  std::array<Level, 2> levels;           ///< [Detail]
-  Detail shown = Detail::full;           ///< by the last update()
+  std::array<Level, kDetails> levels;  ///< [Detail]
+  Detail shown = Detail::full;         ///< by the last update()
 
   [[nodiscard]] bool news_only() const { return options.admission == Admission::news; }
 
@@ -102,7 +100,7 @@ struct Reconstructor::State {
   }
 
   void complete() {
-    completion.emplace(cells, options.hops, kCornerSpacing * options.background_mm, options.threads);
+    completion.emplace(cells, options.hops, options.background_mm, options.threads);
     completion_due = false;
     for (Level& l : levels) l.octree.note(completion->cells());
   }
@@ -250,15 +248,9 @@ const SampleLattice& Reconstructor::samples() const {
   return state_->level(state_->shown).octree;
 }
 
-std::vector<ChunkConfidence> Reconstructor::confidence() {
-  State& s = *state_;
-  if (!s.background) s.make_background();
-  const MeshSnapshot shown = mesh();
-  std::vector<ChunkConfidence> all(shown.chunks.size());
-  parallel_for(all.size(), 16, s.options.threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c) all[c] = confidence_of(*shown.chunks[c], samples(), *s.background);
-  });
-  return all;
+Confidence Reconstructor::confidence(std::span<const Eigen::Vector3f> points_mm) {
+  if (!state_->background) state_->make_background();
+  return confidence_at(points_mm, samples(), *state_->background);
 }
 
 Coverage Reconstructor::coverage() {

@@ -37,7 +37,8 @@ struct ReconstructorOptions {
                                ///< keep it about one object larger than the object on every side
   double spacing_mm = 0;       ///< edge of a finest cell: what is finer than this is not drawn; > 0
   double background_mm = 2.5;  ///< node spacing of the background, which fills what no slice shows: about a 60th of the
-                               ///< object; of `news`, how much of it counts is measured in it too; > 0
+                               ///< object; how much of `news` counts is measured in it too, and corners of the
+                               ///< published completion are that far apart; > 0
   Admission admission = Admission::news;
   Completion completion = Completion::background;  ///< `published` needs Admission::everything
   std::optional<int> hops;  ///< of `published`: how many unknown walls away cells are asked, >= 1; none: all of them
@@ -46,8 +47,8 @@ struct ReconstructorOptions {
   std::function<void(const std::string& line)> log;  ///< one line on the chosen device; may be empty
 };
 
-/// For recorded slices, each of which is to be interpolated: the box of all contours, widened by its longest side on every side, a spacing
-/// of 1.1 longest sides / 2^depth, and a background of 1.1 longest sides / 64.
+/// For recorded slices, each of which is to be interpolated: the box of all contours, widened by its longest side on
+/// every side, a spacing of 1.1 longest sides / 2^depth, and a background of 1.1 longest sides / 64.
 /// @pre  2 <= depth <= 12
 /// @error empty_input (no contour in any slice)
 [[nodiscard]] Result<ReconstructorOptions> options_for(std::span<const TrackedSlice> slices, int depth);
@@ -74,7 +75,9 @@ struct InsertReport {
 enum class Detail : std::uint8_t {
   full,    ///< at the spacing of the options
   coarse,  ///< at twice that spacing, a quarter of the samples: while slices come faster than full detail allows
+  draft,   ///< at four times that spacing: while they come faster than coarse detail allows
 };
+inline constexpr std::size_t kDetails = 3;
 
 /// What one update() did.
 struct UpdateReport {
@@ -84,7 +87,7 @@ struct UpdateReport {
   std::size_t edge_evaluations = 0;  ///< edges of cells summed for these samples
   std::size_t bricks_smoothed = 0;
   std::size_t chunks_rebuilt = 0;
-  double background_ms = 0;  ///< or that of the completion
+  double background_ms = 0;  ///< and of the published completion
   double field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;
 };
 
@@ -124,8 +127,8 @@ class Reconstructor {
   [[nodiscard]] MeshSnapshot mesh() const;  ///< that of the last update(). O(chunks)
   /// What mesh() was drawn from. Valid until the next update().
   [[nodiscard]] const SampleLattice& samples() const;
-  /// How sure the vertices of mesh() are, with the slices added so far. [#chunks] @cost O(vertices)
-  [[nodiscard]] std::vector<ChunkConfidence> confidence();
+  /// How sure vertices of mesh(), or of its joined mesh, are, with the slices added so far.
+  [[nodiscard]] Confidence confidence(std::span<const Eigen::Vector3f> points_mm);
   /// What was seen so far and what was not, of the space that the slices' materials span. @cost some 50 ms
   [[nodiscard]] Coverage coverage();
   [[nodiscard]] ReconstructorCounts counts() const;  ///< of mesh() and what it was drawn from

@@ -105,9 +105,9 @@ class ScanInbox {
   bool wait_for_updates(std::size_t count) {
     return wait([this, count] { return updates_.size() >= count; });
   }
-  /// For the last update to have this detail.
-  bool wait_for_detail(Detail detail) {
-    return wait([this, detail] { return !updates_.empty() && updates_.back()->detail == detail; });
+  /// For the last update to be of full detail, or not to be.
+  bool wait_for_full(bool full) {
+    return wait([this, full] { return !updates_.empty() && (updates_.back()->detail == Detail::full) == full; });
   }
   std::size_t count(ScanEventKind kind) const {
     const std::lock_guard lock(mutex_);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "core/mesh/mesh.h"
 #include "core/slice/label.h"
@@ -15,9 +16,16 @@ namespace sonoloft {
 // @error io_failed: the file is incomplete
 // @cost  O(bytes), one buffer of the size of the file
 
-/// Binary little-endian PLY: vertex float x y z; face list uchar int vertex_indices, ushort label_front label_back,
-/// uchar red green blue (the palette's colour of the label behind, or of the one in front where outside is behind).
-[[nodiscard]] Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path);
+/// What a PLY file can say of every vertex besides; empty or [#V].
+struct VertexProperties {
+  std::span<const float> measured, distance_mm;
+};
+
+/// Binary little-endian PLY: vertex float x y z, and float measured distance_mm where given; face list uchar int
+/// vertex_indices, ushort label_front label_back, uchar red green blue (the palette's colour of the label behind, or of
+/// the one in front where outside is behind).
+[[nodiscard]] Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path,
+                                     const VertexProperties& properties = {});
 
 /// Wavefront OBJ, one group `front_F_back_B` for each pair of labels, with all digits of the floats.
 [[nodiscard]] Result<void> write_obj(const IndexedMesh& mesh, const std::filesystem::path& path);

@@ -187,19 +187,22 @@ Result<IndexedMesh> parse_ply(std::string_view bytes, const std::string& name) {
   return std::move(mesh).finish(name);
 }
 
-Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path) {
+Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path, const VertexProperties& properties) {
   std::string out =
       "ply\nformat binary_little_endian 1.0\ncomment SPACE=LPS\ncomment millimetres\n"
       "element vertex " +
-      std::to_string(mesh.positions.size()) +
-      "\nproperty float x\nproperty float y\nproperty float z\n"
-      "element face " +
+      std::to_string(mesh.positions.size()) + "\nproperty float x\nproperty float y\nproperty float z\n" +
+      (properties.measured.empty() ? "" : "property float measured\n") +
+      (properties.distance_mm.empty() ? "" : "property float distance_mm\n") + "element face " +
       std::to_string(mesh.triangles.size()) +
       "\nproperty list uchar int vertex_indices\nproperty ushort label_front\nproperty ushort label_back\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
   out.reserve(out.size() + 12 * mesh.positions.size() + 20 * mesh.triangles.size());
-  for (const Eigen::Vector3f& p : mesh.positions)
-    for (const float c : {p.x(), p.y(), p.z()}) append(out, c);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    for (const float c : mesh.positions[v]) append(out, c);
+    if (!properties.measured.empty()) append(out, properties.measured[v]);
+    if (!properties.distance_mm.empty()) append(out, properties.distance_mm[v]);
+  }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     append(out, std::uint8_t{3});
     for (const std::uint32_t corner : mesh.triangles[t]) append(out, corner);

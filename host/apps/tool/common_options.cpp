@@ -51,6 +51,15 @@ Result<double> spacing(const Resolution& resolution, double longest_side_mm) {
   return fail(ErrorCode::invalid_argument, message.str());
 }
 
+void add_admission(CLI::App& verb, Admission& admission) {
+  static const std::map<std::string, Admission> kNames{{"everything", Admission::everything},
+                                                       {"news", Admission::news}};
+  verb.add_option("--admission", admission,
+                  "Where slices cut: everything (each is interpolated) or news (where they say what is not known yet)")
+      ->transform(CLI::CheckedTransformer(kNames))
+      ->default_str(admission == Admission::news ? "news" : "everything");
+}
+
 void add_threads(CLI::App& verb, int& threads) {
   threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 256u));
   verb.add_option("--threads", threads, "Threads to compute with; the result does not depend on it")

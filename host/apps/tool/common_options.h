@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/field/device_choice.h"
+#include "core/reconstructor/reconstructor.h"
 #include "core/slice/result.h"
 
 namespace sonoloft::tool {
@@ -24,6 +25,9 @@ struct Compute {
   DeviceChoice device = DeviceChoice::automatic;
 };
 void add_compute(CLI::App& verb, Compute& compute);
+
+/// @param admission  its value is the default that --help states
+void add_admission(CLI::App& verb, Admission& admission);
 
 void add_threads(CLI::App& verb, int& threads);
 void add_report(CLI::App& verb, std::optional<std::filesystem::path>& report);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/io/slices/slice_files.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/phantom/body.h"
@@ -28,9 +29,10 @@ struct DemoOptions {
   ScanPlan plan;
   std::optional<double> seconds;
   std::filesystem::path out = "out";
-  std::optional<std::filesystem::path> data, report;
+  std::optional<std::filesystem::path> data, report, saved_slices;
   Resolution resolution{7, {}};  ///< coarse enough to follow 10 slices a second on two cores
   Compute compute;
+  Admission admission = Admission::news;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -48,6 +50,8 @@ Result<ScanOptions> scan_options(const DemoOptions& demo, const Eigen::AlignedBo
   const auto spacing_mm = spacing(demo.resolution, longest_mm);
   if (!spacing_mm) return tl::unexpected<Error>(spacing_mm.error());
   options.reconstructor.spacing_mm = *spacing_mm;
+  options.reconstructor.background_mm = longest_mm / 64;
+  options.reconstructor.admission = demo.admission;
   options.reconstructor.device = demo.compute.device;
   options.reconstructor.threads = demo.compute.threads;
   options.reconstructor.log = [](const std::string& line) { std::cout << line << '\n'; };
@@ -126,6 +130,34 @@ void print(const Json& report, const std::vector<LabelStatistics>& labels) {
   }
 }
 
+Json coverage_json(const Coverage& coverage) {
+  Json json = {{"volume_ml", 1e-3 * coverage.volume_mm3}, {"seen", coverage.seen_fraction()}};
+  if (!coverage.largest_gap) return json;
+  const CoverageGap& gap = *coverage.largest_gap;
+  const Eigen::Isometry3d& plane = gap.suggested_image_to_reference;
+  const auto list = [](const Eigen::Vector3d& v) { return Json{v.x(), v.y(), v.z()}; };
+  json["largest_gap"] = {{"volume_ml", 1e-3 * gap.volume_mm3},
+                         {"centre_mm", list(gap.centre_mm)},
+                         {"deepest_mm", gap.deepest_mm},
+                         {"suggested_origin_mm", list(plane.translation())},
+                         {"suggested_normal", list(plane.linear().col(2))}};
+  return json;
+}
+
+void print(const Coverage& coverage) {
+  char line[160];
+  std::snprintf(line, sizeof line, "coverage %.1f %% of %.4g ml were seen", 100 * coverage.seen_fraction(),
+                1e-3 * coverage.volume_mm3);
+  std::cout << line;
+  if (coverage.largest_gap) {
+    const Eigen::Vector3d& at = coverage.largest_gap->centre_mm;
+    std::snprintf(line, sizeof line, "; largest gap %.3g ml around (%.0f, %.0f, %.0f) mm",
+                  1e-3 * coverage.largest_gap->volume_mm3, at.x(), at.y(), at.z());
+    std::cout << line;
+  }
+  std::cout << '\n';
+}
+
 /// The enclosing label as glass, so that what it holds is seen.
 std::vector<Label> glass_of(const std::vector<LabelStatistics>& labels) {
   if (labels.size() < 2) return {};
@@ -133,10 +165,11 @@ std::vector<Label> glass_of(const std::vector<LabelStatistics>& labels) {
   return {std::max_element(labels.begin(), labels.end(), less)->label};
 }
 
-Result<void> write_results(const DemoOptions& demo, const IndexedMesh& mesh, const std::vector<LabelStatistics>& labels,
-                           const Json& report) {
+Result<void> write_results(const DemoOptions& demo, const IndexedMesh& mesh, const Confidence& confidence,
+                           const std::vector<LabelStatistics>& labels, const Json& report) {
   const auto mesh_file = demo.out / "mesh.ply", picture_file = demo.out / "mesh.png";
-  if (auto written = write_mesh(mesh, mesh_file); !written) return written;
+  if (auto written = write_mesh(mesh, mesh_file, {confidence.measured, confidence.distance_mm}); !written)
+    return written;
   std::vector<LegendLine> legend;
   for (const LabelStatistics& label : labels) legend.push_back({label.label, text_of(label, report["dice"])});
   auto drawn = write_picture(mesh, std::move(legend), glass_of(labels), picture_file, demo.compute.threads);
@@ -154,6 +187,7 @@ Result<void> judge(const DemoOptions& demo, const Truth& truth, const ScanLog& l
     return fail(ErrorCode::empty_input, "the slices bound nothing: scan the whole body, with more slices");
   const auto dice = dice_json(mesh, truth, demo.compute.threads);
   if (!dice) return tl::unexpected<Error>(dice.error());
+  const Coverage coverage = scan.coverage();
   const Percentiles latency = percentiles(log.latencies_ms()), insert = percentiles(log.reconstruct_ms());
   const Json report = {{"phantom", demo.phantom},
                        {"device", scan.field_device()},
@@ -161,6 +195,8 @@ Result<void> judge(const DemoOptions& demo, const Truth& truth, const ScanLog& l
                        {"dice", *dice},
                        {"labels", labels_json(last->labels)},
                        {"triangles", mesh.triangles.size()},
+                       {"cells", last->size.cells},
+                       {"coverage", coverage_json(coverage)},
                        {"latency_ms", json(latency)},
                        {"insert_ms", json(insert)},
                        {"coarse_meshes", log.coarse_meshes()},
@@ -168,7 +204,8 @@ Result<void> judge(const DemoOptions& demo, const Truth& truth, const ScanLog& l
   print("latency", latency);
   print("insert", insert);
   print(report, last->labels);
-  return write_results(demo, mesh, last->labels, report);
+  print(coverage);
+  return write_results(demo, mesh, scan.confidence(mesh.positions), last->labels, report);
 }
 
 Result<void> run_demo(DemoOptions demo) {
@@ -189,6 +226,8 @@ Result<void> run_demo(DemoOptions demo) {
   if (auto started = (*scan)->start(log.callbacks()); !started) return started;
   follow(log);
   (*scan)->stop();
+  if (demo.saved_slices)
+    if (auto written = write_csl((*device)->sent(), *demo.saved_slices); !written) return written;
   return judge(demo, body->truth, log, **scan);
 }
 
@@ -199,24 +238,28 @@ void add_demo(CLI::App& app, Task& task) {
       app.add_subcommand("demo", "Scans a phantom with a simulated probe, live, and says how good the mesh is");
   auto demo = std::make_shared<DemoOptions>();
   verb->add_option("--phantom", demo->phantom,
-                   "liver, femur, organs, or a file: recorded slices (.csl, .contour), a closed mesh (.off, .stl, "
+                   "liver, femur, organs, torso (ribs that shadow), or a file: recorded slices (.csl, .contour), a "
+                   "closed mesh (.off, .stl, "
                    ".ply, .obj), voxels (.inr, .inr.gz)")
       ->capture_default_str();
-  auto* slices =
-      verb->add_option("--slices", demo->plan.slices, "Slices of the sweep; default: 60, or all that were recorded")
-          ->check(CLI::Range(1, 100000));
+  auto* slices = verb->add_option("--slices", demo->plan.slices,
+                                  "Slices of the sweep; default: 60, of the torso 300, or all that were recorded")
+                     ->check(CLI::Range(1, 100000));
   verb->add_option("--rate", demo->plan.rate_hz, "Slices a second; 0: as fast as they are used")
       ->check(finite(0, 1000))
       ->capture_default_str();
   verb->add_option("--seconds", demo->seconds, "Length of the sweep, instead of --slices")
       ->check(finite(0.1, 3600))
       ->excludes(slices);
-  verb->add_option("--seed", demo->plan.seed, "Of the hand that holds the probe")
+  verb->add_option("--seed", demo->plan.seed, "Of the hand that holds the probe, and of noise")
       ->check(finite(0, 1e15))
       ->capture_default_str();
   verb->add_option("--out", demo->out, "Folder for mesh.ply and mesh.png")->capture_default_str();
   verb->add_option("--data", demo->data, "Folder of the demo's data; default: $SONOLOFT_DATA, then build/data");
+  verb->add_option("--save-slices", demo->saved_slices, "Write the slices that were sent into this CSL file")
+      ->check(ends_in(".csl"));
   add_resolution(*verb, demo->resolution);
+  add_admission(*verb, demo->admission);
   add_compute(*verb, demo->compute);
   add_report(*verb, demo->report);
   verb->callback([&task, demo] {

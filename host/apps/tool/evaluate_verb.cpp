@@ -3,7 +3,7 @@
 #include <set>
 #include <utility>
 
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/phantom/body.h"

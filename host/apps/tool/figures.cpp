@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 
 namespace sonoloft::tool {
 namespace {
@@ -44,13 +44,14 @@ Result<void> write_report(const nlohmann::ordered_json& report, const std::files
   return {};
 }
 
-Result<void> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path) {
+Result<void> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path,
+                        const VertexProperties& properties) {
   if (auto made = make_folder_of(path); !made) return made;
   const auto suffix = path.extension();
   if (suffix == ".obj") return write_obj(mesh, path);
   if (suffix == ".stl") return write_stl(mesh, path);
   if (suffix == ".vtp") return write_vtp(mesh, path);
-  return write_ply(mesh, path);
+  return write_ply(mesh, path, properties);
 }
 
 Result<void> write_picture(const IndexedMesh& mesh, std::vector<LegendLine> legend, std::span<const Label> glass,

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/io/meshes/mesh_files.h"
 #include "core/mesh/mesh.h"
 #include "core/slice/result.h"
 #include "host/apps/picture/picture.h"
@@ -24,7 +25,9 @@ struct Percentiles {
 /// Suffixes that write_mesh() knows.
 inline constexpr const char* kMeshSuffixes = ".ply,.obj,.stl,.vtp";
 /// Makes the folder where there is none. @pre the suffix is one of kMeshSuffixes @error io_failed
-[[nodiscard]] Result<void> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path);
+/// @param properties  only PLY takes them
+[[nodiscard]] Result<void> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path,
+                                      const VertexProperties& properties = {});
 
 /// The mesh seen from outside, its largest of several labels as glass. Makes the folder where there is none.
 /// @error those of draw() and write_png()

@@ -15,6 +15,11 @@ int main(int argc, char** argv) {
   add_demo(app, task);
   add_reconstruct(app, task);
   add_evaluate(app, task);
+  add_scan(app, task);
+  add_devices(app, task);
+  add_probe(app, task);
+  add_stats(app, task);
+  add_calibrate_time(app, task);
   add_info(app, task);
   try {
     app.parse(argc, argv);

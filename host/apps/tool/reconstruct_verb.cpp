@@ -20,6 +20,9 @@ using Json = nlohmann::ordered_json;
 struct ReconstructOptions {
   std::filesystem::path input, output;
   bool online = false;
+  Admission admission = Admission::everything;
+  Completion completion = Completion::background;
+  std::optional<int> hops;
   Mesher mesher = Mesher::live;
   Resolution resolution;
   Compute compute;
@@ -32,10 +35,12 @@ double ms_since(Clock::time_point start) {
 
 /// Times of a run, ms. total: from parsed slices to the finished mesh, without load and device_start.
 struct Times {
-  double load = 0, device_start = 0, cells = 0, field = 0, octree = 0, mesh = 0, smooth = 0, delaunay = 0, total = 0;
+  double load = 0, device_start = 0, cells = 0, completion = 0, field = 0, octree = 0, mesh = 0, smooth = 0,
+         delaunay = 0, total = 0;
   std::vector<double> per_slice;
 
   void add(const UpdateReport& update) {
+    completion += update.background_ms;
     field += update.field_ms;
     octree += update.octree_ms;
     mesh += update.mesh_ms;
@@ -63,6 +68,9 @@ Result<Reconstructor> prepare(const ReconstructOptions& o, std::span<const Track
     if (!spacing_mm) return tl::unexpected<Error>(spacing_mm.error());
     options->spacing_mm = *spacing_mm;
   }
+  options->admission = o.admission;
+  options->completion = o.completion;
+  options->hops = o.hops;
   options->device = o.compute.device;
   options->threads = o.compute.threads;
   options->log = [](const std::string& line) { std::cout << line << '\n'; };
@@ -131,6 +139,7 @@ Json report_json(std::span<const TrackedSlice> slices, const SliceOutcomes& outc
            {{"load", t.load},
             {"device_start", t.device_start},
             {"cells", t.cells},
+            {"completion", t.completion},
             {"field", t.field},
             {"octree", t.octree},
             {"mesh", t.mesh},
@@ -184,6 +193,21 @@ void add_reconstruct(CLI::App& app, Task& task) {
       ->check(ends_in(kMeshSuffixes));
   verb->add_flag("--online", options->online, "Bring the mesh up to date after every slice, as a live scan does");
   verb->add_option("--picture", options->picture, "Draw the mesh into this PNG file")->check(ends_in(".png"));
+  auto* completion = verb->add_option_function<std::string>(
+                             "--completion",
+                             [options](const std::string& name) {
+                               options->completion =
+                                   name == "published" ? Completion::published : Completion::background;
+                             },
+                             "What fills unknown parts of slices: background, or for comparison published (mean values "
+                             "on triangles, seconds to minutes)")
+                         ->check(CLI::IsMember({"background", "published"}))
+                         ->default_str("background");
+  verb->add_option("--hops", options->hops,
+                   "With --completion published: how many unknown walls away cells are asked; default: no limit")
+      ->check(CLI::Range(1, 1000))
+      ->needs(completion);
+  add_admission(*verb, options->admission);
   add_mesher(*verb, options->mesher);
   add_resolution(*verb, options->resolution);
   add_compute(*verb, options->compute);

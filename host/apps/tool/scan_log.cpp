@@ -22,7 +22,7 @@ void ScanLog::take(std::shared_ptr<const MeshUpdate> update) {
     latencies_ms_.push_back(slice.latency_ms);
   }
   if (!update->slices.empty()) reconstruct_ms_.push_back(update->reconstruct_ms);
-  coarse_meshes_ += update->detail == Detail::coarse ? 1 : 0;
+  coarse_meshes_ += update->detail != Detail::full ? 1 : 0;
   last_ = std::move(update);
 }
 
@@ -31,6 +31,7 @@ void ScanLog::take(const ScanEvent& event) {
   if (event.kind == ScanEventKind::slices_dropped || event.kind == ScanEventKind::callback_threw) return;
   const std::lock_guard lock(mutex_);
   if (event.kind == ScanEventKind::reconstruction_failed) failure_ = event.message;
+  data_ended_ = event.kind == ScanEventKind::end_of_data;
   ended_ = true;
   changed_.notify_all();
 }
@@ -38,6 +39,11 @@ void ScanLog::take(const ScanEvent& event) {
 bool ScanLog::wait_for_end(std::chrono::milliseconds patience) {
   std::unique_lock lock(mutex_);
   return changed_.wait_for(lock, patience, [&] { return ended_; });
+}
+
+bool ScanLog::data_ended() const {
+  const std::lock_guard lock(mutex_);
+  return data_ended_;
 }
 
 std::string ScanLog::progress() const {

@@ -22,6 +22,9 @@ class ScanLog {
   /// Waits up to `patience` for the end of the run. @return whether nothing more is to come
   [[nodiscard]] bool wait_for_end(std::chrono::milliseconds patience);
 
+  /// The device has nothing more; else the run ended for another reason.
+  [[nodiscard]] bool data_ended() const;
+
   /// Slices, rate, latency and the like so far; empty before the first mesh.
   [[nodiscard]] std::string progress() const;
 
@@ -37,7 +40,7 @@ class ScanLog {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  bool ended_ = false;
+  bool ended_ = false, data_ended_ = false;
   std::optional<std::string> failure_;
   std::shared_ptr<const MeshUpdate> last_;
   std::chrono::steady_clock::time_point first_arrival_, last_arrival_;

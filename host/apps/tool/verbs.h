@@ -16,5 +16,10 @@ void add_demo(CLI::App& app, Task& task);
 void add_reconstruct(CLI::App& app, Task& task);
 void add_evaluate(CLI::App& app, Task& task);
 void add_info(CLI::App& app, Task& task);
+void add_scan(CLI::App& app, Task& task);
+void add_devices(CLI::App& app, Task& task);
+void add_probe(CLI::App& app, Task& task);
+void add_stats(CLI::App& app, Task& task);
+void add_calibrate_time(CLI::App& app, Task& task);
 
 }  // namespace sonoloft::tool

@@ -1,5 +1,5 @@
 // A live scan of the liver slice by slice, the mesh brought up to date after each:
-// bench_sweep passes|still <slices> [depth]
+// bench_sweep passes|still <slices> [depth] [everything]
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -125,7 +125,9 @@ Run run(std::span<const TrackedSlice> slices, const ReconstructorOptions& option
     const auto start = Clock::now();
     run.cut += or_exit(reconstructor.add(slice)).cells_cut > 0;
     run.add_ms.push_back(ms_since(start));
-    or_exit(reconstructor.update());
+    // What cuts everywhere is too much for a mesh after every slice: its last one is compared.
+    const bool last = &slice == &slices.back();
+    if (last || options.admission == Admission::news) or_exit(reconstructor.update());
     run.slice_ms.push_back(ms_since(start));
     if (run.slice_ms.size() % 100 == 0)
       std::fprintf(stderr, "  %zu slices: %zu cells, this one %.1f ms\n", run.slice_ms.size(),
@@ -141,7 +143,7 @@ Run run(std::span<const TrackedSlice> slices, const ReconstructorOptions& option
 int main(int argc, char** argv) {
   const bool passes = argc >= 3 && std::strcmp(argv[1], "passes") == 0;
   if (argc < 3 || (!passes && std::strcmp(argv[1], "still") != 0)) {
-    std::fprintf(stderr, "usage: bench_sweep passes|still <slices> [depth]\n");
+    std::fprintf(stderr, "usage: bench_sweep passes|still <slices> [depth] [everything]\n");
     return 2;
   }
   const auto count = static_cast<std::uint32_t>(std::atoi(argv[2]));
@@ -158,6 +160,7 @@ int main(int argc, char** argv) {
   options.box = {liver->bounds().center() - half, liver->bounds().center() + half};
   options.spacing_mm = 1.1 * liver->bounds().sizes().maxCoeff() / std::exp2(depth);
   options.threads = 2;
+  if (argc > 4 && std::strcmp(argv[4], "everything") == 0) options.admission = Admission::everything;
   const Run done = run(slices, options);
   const Scanned scanned = scanned_part(*liver, slices);
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 #include "tests/integration/tool/tool_run.h"
 
 using namespace sonoloft;
@@ -20,7 +20,7 @@ TEST_CASE("tool reconstruct: the report has every figure and the mesh is what it
   CHECK(report["input"]["planes"] == 14);
   CHECK(report["input"]["vertices"] == 4 * (9 + 5 + 5 + 3));  // the inner box meets 5 and 3 planes
   CHECK(report["input"]["labels"] == 2);
-  CHECK(report["slices"] == nlohmann::json{{"inserted", 14}, {"merged", 0}, {"refused", 0}});
+  CHECK(report["slices"] == nlohmann::json{{"inserted", 14}, {"explained", 0}, {"merged", 0}, {"refused", 0}});
   for (const char* key : {"cells", "faces", "edges", "samples", "leaves", "triangles"}) CHECK(report[key] > 0);
   CHECK(report["cells"] == 10 * 6);
   CHECK(report["device"].get<std::string>().starts_with("CPU"));
@@ -114,4 +114,22 @@ TEST_CASE("tool reconstruct: --mesher delaunay gives an export mesh of both labe
   CHECK(run.status == 1);
   CHECK(run.err.find("SONOLOFT_OFFLINE") != std::string::npos);
 #endif
+}
+
+TEST_CASE("tool reconstruct: --completion published fills what was not seen in another way, by --hops in others") {
+  const TemporaryFolder folder;
+  folder.write("boxes.csl", boxes_csl() +
+                                "CSLX 1 2\nunknown 4 4\n5 5 0\n15 5 0\n15 15 0\n5 15 0\n"  // of two planes that cross
+                                "unknown 13 4\n8.5 5 -5\n8.5 15 -5\n8.5 15 5\n8.5 5 5\n");
+  const auto mesh = [&](const std::string& options) {
+    const ToolRun run = run_tool(folder, "reconstruct boxes.csl -o m.ply --depth 6 --device cpu " + options);
+    REQUIRE_MESSAGE(run.status == 0, run.err);
+    return bytes_of(folder.path("m.ply"));
+  };
+  const std::string published = mesh("--completion published");
+  CHECK(published != mesh(""));
+  CHECK(published != mesh("--completion published --hops 1"));
+  CHECK(mesh("") == mesh("--completion background"));
+  CHECK(run_tool(folder, "reconstruct boxes.csl -o m.ply --hops 1").status == 2);
+  CHECK(run_tool(folder, "reconstruct boxes.csl -o m.ply --completion guess").status == 2);
 }

@@ -41,6 +41,12 @@ constexpr Bad kBad[] = {
     {"reconstruct boxes.csl -o m.abc", 2, ".vtp"},
     {"reconstruct boxes.csl -o m.ply --picture m.jpg", 2, ".png"},
     {"evaluate m.ply", 2, "--truth"},
+    {"probe", 2, "--usbip"},
+    {"probe --usbip --port 99999", 2, "--port"},
+    {"scan", 2, "--output"},
+    {"scan -o m.abc", 2, ".vtp"},
+    {"scan -o m.ply --box 0 0 0 1 1", 2, "--box"},
+    {"devices extra", 2, "extra"},
 
     {"demo --data nowhere", 1, "--data"},
     {"demo --phantom nobody", 1, "organs"},
@@ -57,6 +63,9 @@ constexpr Bad kBad[] = {
     {"evaluate missing.ply --truth box.off", 1, "missing.ply"},
     {"evaluate box.off --truth missing.inr.gz", 1, "missing.inr.gz"},
     {"evaluate box.off --truth notes.txt", 1, "notes.txt"},
+    {"probe --usbip --phantom nobody", 1, "organs"},
+    {"scan --simulated --phantom nobody -o m.ply", 1, "organs"},
+    {"scan --simulated --phantom box.off -o m.ply --box 5 5 5 1 1 1", 1, "--box"},
 };
 
 }  // namespace
@@ -85,7 +94,8 @@ TEST_CASE("tool: every bad command line and every bad file gets one line and its
 
 TEST_CASE("tool: --help of the tool and of every verb explains on stdout and is no failure") {
   const TemporaryFolder folder;
-  for (const char* verb : {"", "demo", "reconstruct", "evaluate", "info"}) {
+  for (const char* verb :
+       {"", "demo", "reconstruct", "evaluate", "stats", "calibrate-time", "info", "scan", "devices", "probe"}) {
     const ToolRun run = run_tool(folder, std::string(verb) + " --help");
     CHECK(run.status == 0);
     CHECK(run.err.empty());

@@ -151,7 +151,7 @@ TEST_CASE("cells: planes nearer than the gap merge into the first") {
   // The upper cell is 50 mm thick, but its part below the new plane only 0.3 mm.
   REQUIRE(merged);
   CHECK(merged->lower.empty());
-  CHECK(merged->too_thin == 2);
+  CHECK(merged->too_thin == 1);
   CHECK(complex.insert(test::section_of_discs(test::frame_at({0, 0, 0.7}, {0, 0, 1}), {{{0, 0}, 5, 1}})));
   CHECK(complex.cell_count() == 3);
 }

@@ -7,11 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/mesh_files.h"
-#include "core/io/slice_files.h"
+#include "core/io/meshes/mesh_files.h"
+#include "core/io/slices/slice_files.h"
 #include "device_sim/probe/phantoms/mesh_phantom.h"
 #include "device_sim/probe/phantoms/recorded_planes.h"
 #include "device_sim/probe/phantoms/solid_phantom.h"
+#include "device_sim/probe/phantoms/torso_phantom.h"
 #include "device_sim/probe/phantoms/volume_phantom.h"
 
 namespace sonoloft::tool {
@@ -59,11 +60,11 @@ LabelVolume voxels_of(const device_sim::Phantom& phantom) {
   return volume;
 }
 
-Body organs_body() {
-  const auto organs = std::make_shared<device_sim::SolidPhantom>(device_sim::organs_phantom());
+Body solid_body(device_sim::SolidPhantom phantom, std::vector<Label> bones) {
   Body body;
-  body.source = organs;
-  body.truth = voxels_of(*organs);
+  body.truth = voxels_of(phantom);
+  body.source = std::make_shared<device_sim::SolidPhantom>(std::move(phantom));
+  body.bones = std::move(bones);
   return body;
 }
 
@@ -76,6 +77,7 @@ device_sim::RecordedPlane recorded_plane(const TrackedSlice& slice) {
     const auto begin = slice.points.begin() + contour.first;
     plane.section.points.insert(plane.section.points.end(), begin, begin + contour.count);
   }
+  plane.section.field_of_view = slice.field_of_view;
   return plane;
 }
 
@@ -86,7 +88,8 @@ Result<Body> recorded_body(const std::filesystem::path& path) {
   std::vector<device_sim::RecordedPlane> planes;
   for (const TrackedSlice& slice : file->slices) {
     planes.push_back(recorded_plane(slice));
-    body.max_points = std::max(body.max_points, static_cast<std::uint32_t>(planes.back().section.points.size()));
+    body.max_points = std::max({body.max_points, static_cast<std::uint32_t>(slice.points.size()),
+                                static_cast<std::uint32_t>(slice.field_of_view.size())});
     body.max_contours = std::max(body.max_contours, static_cast<std::uint32_t>(slice.contours.size()));
   }
   auto made = device_sim::RecordedPlanes::make(std::move(planes));
@@ -116,7 +119,7 @@ Result<Body> file_body(const std::filesystem::path& file) {
   return fail(
       ErrorCode::unsupported_format,
       file.string() +
-          " is no phantom: name liver, femur, organs, or a file .csl .contour .off .stl .ply .obj .inr .inr.gz");
+          " is no phantom: name liver, femur, organs, torso, or a file .csl .contour .off .stl .ply .obj .inr .inr.gz");
 }
 
 Result<Body> liver_body(const std::filesystem::path& file) {
@@ -140,7 +143,9 @@ Result<std::filesystem::path> find_data(const std::string& file, const std::opti
 }
 
 Result<Body> load_body(const std::string& name_or_file, const std::optional<std::filesystem::path>& data) {
-  if (name_or_file == "organs") return organs_body();
+  if (name_or_file == "organs") return solid_body(device_sim::organs_phantom(), {});
+  if (name_or_file == "torso")
+    return solid_body(device_sim::torso_phantom(), {static_cast<Label>(device_sim::Torso::bone)});
   if (name_or_file != "liver" && name_or_file != "femur") return file_body(name_or_file);
   const auto file = find_data(name_or_file == "liver" ? "liver.inr.gz" : "femur.off", data);
   if (!file) return tl::unexpected<Error>(file.error());

@@ -6,8 +6,9 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
-#include "core/io/label_volume.h"
+#include "core/io/volumes/label_volume.h"
 #include "core/mesh/mesh.h"
 #include "core/slice/result.h"
 #include "device_sim/probe/phantom.h"
@@ -23,11 +24,13 @@ struct Body {
   std::shared_ptr<const device_sim::SectionSource> source;
   std::optional<device_sim::Trajectory> recorded;  ///< where its slices were taken; else the body can be cut anywhere
   std::uint32_t max_points = 0, max_contours = 0;  ///< of a recorded slice
+  std::vector<Label> bones;  ///< labels that sound does not pass; with any, the body is scanned as a patient is
   Truth truth;
 };
 
-/// A body by its name (liver, femur, organs) or out of a file: recorded slices (.csl, .contour), a closed mesh
-/// (.off, .stl, .ply, .obj), voxels (.inr, .inr.gz). Organs are a formula: their truth are voxels cut from it.
+/// A body by its name (liver, femur, organs, torso) or out of a file: recorded slices (.csl, .contour), a closed mesh
+/// (.off, .stl, .ply, .obj), voxels (.inr, .inr.gz). Organs and torso are formulas: their truth are voxels cut
+/// from them.
 /// @param data  where the demo's data are; see find_data()
 /// @error file_not_found, unsupported_format, and those of the readers and phantoms
 [[nodiscard]] Result<Body> load_body(const std::string& name_or_file, const std::optional<std::filesystem::path>& data);

@@ -1,0 +1,32 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "tests/integration/tool/tool_run.h"
+#include "tests/support/recorded_sets.h"
+
+using namespace sonoloft::test;
+
+TEST_CASE("tool stats: of a simulated probe every record is accounted for, and its clock is mapped") {
+  const TemporaryFolder folder;
+  const ToolRun run = run_tool(folder, "stats --simulated --phantom organs --slices 30 --rate 0 --seconds 60");
+  REQUIRE_MESSAGE(run.status == 0, run.err);
+  for (const char* words : {"books                closed", "transport_lost     0", "device's clock       drift",
+                            "arrival to callback", "nothing more in this session"}) {
+    CHECK_MESSAGE(run.out.find(words) != std::string::npos, words, " is not in:\n", run.out);
+  }
+}
+
+TEST_CASE("tool calibrate-time: the water tank's answer is within 5 ms of the known one") {
+  const auto video = recorded_set("tracked/WaterTankBottomTranslationVideoBuffer.igs.mha");
+  const auto tracker = recorded_set("tracked/WaterTankBottomTranslationTrackerBuffer.igs.mha");
+  if (!video || !tracker) return;
+  const TemporaryFolder folder;
+  const ToolRun run = run_tool(folder, "calibrate-time '" + absolute(*video).string() + "' --poses '" +
+                                           absolute(*tracker).string() + "' --report r.json");
+  REQUIRE_MESSAGE(run.status == 0, run.err);
+  CHECK(std::abs(json_of(folder.path("r.json"))["offset_ms"].get<double>() - -64.8) < 5);
+  const ToolRun wrong = run_tool(folder, "calibrate-time '" + absolute(*video).string() + "'");
+  CHECK(wrong.status == 1);
+  CHECK(wrong.err.find("--poses") != std::string::npos);  // the images' file has none
+}

@@ -5,7 +5,7 @@
 namespace sonoloft {
 namespace {
 
-/// The unmeasured share between the samples; one that was not taken counts as its nearest neighbours do: not at all.
+/// The unmeasured share between the samples; samples that were not taken have no say.
 class Unmeasured {
  public:
   explicit Unmeasured(const SampleLattice& samples) : samples_(samples) {}
@@ -46,16 +46,17 @@ class Unmeasured {
 
 }  // namespace
 
-ChunkConfidence confidence_of(const MeshChunk& chunk, const SampleLattice& samples, const Background& background) {
-  ChunkConfidence result;
-  std::vector<Eigen::Vector3d> points_mm;
-  points_mm.reserve(chunk.positions.size());
+Confidence confidence_at(std::span<const Eigen::Vector3f> points_mm, const SampleLattice& samples,
+                         const Background& background) {
+  Confidence result;
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(points_mm.size());
   Unmeasured unmeasured(samples);
-  for (const Eigen::Vector3f& position : chunk.positions) {
-    points_mm.push_back(position.cast<double>());
-    result.measured.push_back(1.0f - unmeasured.at(points_mm.back()));
+  for (const Eigen::Vector3f& point : points_mm) {
+    points.push_back(point.cast<double>());
+    result.measured.push_back(1.0f - unmeasured.at(points.back()));
   }
-  background.distance(points_mm, result.distance_mm);
+  background.distance(points, result.distance_mm);
   return result;
 }
 

@@ -11,22 +11,25 @@
 namespace sonoloft {
 namespace {
 
-/// Per point of a block: 1 where the cell above it has all corners sampled and not all of one label.
-using MixedFlags = std::array<std::uint8_t, SampleBlock::kPoints>;
+using BlockLabels = std::array<Label, SampleBlock::kPoints>;
 
-void find_mixed_cells(const std::array<Label, SampleBlock::kPoints>& labels, MixedFlags& mixed) {
-  constexpr int kCells = SampleBlock::kPoints - SampleBlock::kCorner[7];
-  const Label* label = labels.data();
-  for (int i = 0; i < kCells;
-       ++i) {  // vectorises; the cells that stick out of the block cost less than leaving them out
-    bool differs = false;
-    bool sampled = label[i] != kNotSampled;
-    for (const int corner : SampleBlock::kCorner) {
-      differs |= label[i + corner] != label[i];
-      sampled &= label[i + corner] != kNotSampled;
+/// Calls visit(cell) for every cell that has all corners sampled and not all of one label.
+template <class Visit>
+void for_mixed_cells(const BlockLabels& labels, const Visit& visit) {
+  static_assert(kNotSampled > kMaxLabel);
+  // Along one axis after the other; the cells that stick out of the block cost less than leaving them out.
+  BlockLabels lowest = labels, highest = labels;
+  for (const int step : {1, SampleBlock::kSide, SampleBlock::kLayer})
+    for (std::size_t i = 0; i + static_cast<std::size_t>(step) < labels.size(); ++i) {
+      lowest[i] = std::min(lowest[i], lowest[i + static_cast<std::size_t>(step)]);
+      highest[i] = std::max(highest[i], highest[i + static_cast<std::size_t>(step)]);
     }
-    mixed[static_cast<std::size_t>(i)] = differs & sampled;
-  }
+  for (int z = 0; z < kBrickSize; ++z)
+    for (int y = 0; y < kBrickSize; ++y)
+      for (int x = 0; x < kBrickSize; ++x) {
+        const auto i = static_cast<std::size_t>(SampleBlock::index(x, y, z));
+        if (lowest[i] != highest[i] && highest[i] != kNotSampled) visit(LocalPoint{x, y, z});
+      }
 }
 
 template <class T>
@@ -72,7 +75,7 @@ class CellReader {
     const int equations = gaps_of(cell_, gaps_);
     // Two labels: along the surface. Three: along the line where they meet, or it would shrink. More: a junction,
     // fixed.
-    const unsigned pull = equations == 0 ? 0 : faces_with_labels(cell_, cell_.label_count);
+    const unsigned pull = equations == 0 ? 0 : faces_with_all_labels(cell_);
     out_.slot[id] = static_cast<std::uint16_t>(out_.simple_cells.size());
     out_.simple_cells.push_back(id);
     pairs_.push_back(cell_.label_count == 2 ? LabelPair{cell_.label[0], cell_.label[1]} : kNoPair);
@@ -122,11 +125,11 @@ class ContourSnapper {
   void finish() { cells_.placed = std::move(snapped_); }
 
  private:
-  /// Keeps the best point of a cell: a corner of the contour, which a vertex beside it would cut off, before any other
-  /// point, the nearer one to the vertex before the farther one, the first of equals.
+  /// Keeps the best point of a cell: a corner of the contour, which a vertex elsewhere would cut off, before any other
+  /// point. Of corners the one farthest from the vertex as placed, which would be cut off most, of other points the
+  /// nearest; the first of equals.
   void offer(std::uint16_t s, const Eigen::Vector3f& on, bool is_end) {
-    constexpr float kFarther = 16;  // than any two points of a cell, squared
-    const float rank = (on - to_steps(cells_.placed[s])).squaredNorm() + (is_end ? 0 : kFarther);
+    const float away = (on - to_steps(cells_.placed[s])).squaredNorm(), rank = is_end ? -away : away;
     if (!(rank < rank_[s])) return;
     rank_[s] = rank;
     snapped_[s] = to_cell_point(on);
@@ -175,13 +178,8 @@ bool BrickNet::read(ReadScratch& scratch, const SampleLattice& lattice, const Br
   scratch.pairs.clear();
   if (lattice.find(coord)) {
     scratch.block.select(lattice, coord);
-    MixedFlags mixed;
-    find_mixed_cells(scratch.block.labels(), mixed);
     CellReader reader(scratch);
-    for (int z = 0; z < kBrickSize; ++z)
-      for (int y = 0; y < kBrickSize; ++y)
-        for (int x = 0; x < kBrickSize; ++x)
-          if (mixed[static_cast<std::size_t>(SampleBlock::index(x, y, z))]) reader.read({x, y, z});
+    for_mixed_cells(scratch.block.labels(), [&](LocalPoint cell) { reader.read(cell); });
   }
   if (cells.simple_cells.empty())
     cells.slot.clear();

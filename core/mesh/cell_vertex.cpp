@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 
@@ -16,10 +17,19 @@ constexpr float kLongestStep = 0.5F;
 /// Interfaces whose normals span less than this (squared sine) do not say where they meet.
 constexpr float kParallel = 1e-3F;
 
-constexpr std::array<std::array<std::uint8_t, 2>, 12> kEdges = {
-    {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
-/// Corners of the faces, in the order of the bits of faces_with_labels().
+/// Corners of the faces, in the order of the bits of mixed_faces().
 constexpr std::array<unsigned, 6> kFaces = {0x55, 0xAA, 0x33, 0xCC, 0x0F, 0xF0};
+const std::array<Eigen::Vector3f, 8> kCorners = {
+    {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}}};
+
+/// The faces that a set of corners touches.
+constexpr auto kTouchedFaces = [] {
+  std::array<std::uint8_t, 256> touched{};
+  for (unsigned corners = 0; corners < 256; ++corners)
+    for (unsigned face = 0; face < 6; ++face)
+      if ((corners & kFaces[face]) != 0) touched[corners] |= static_cast<std::uint8_t>(1u << face);
+  return touched;
+}();
 
 constexpr bool connected_along_edges(unsigned corners) {
   unsigned reached = corners & (0u - corners);
@@ -83,15 +93,27 @@ bool is_simple(const CellSamples& cell) {
                      [](std::uint8_t corners) { return kSimple[corners]; });
 }
 
-unsigned faces_with_labels(const CellSamples& cell, int labels) {
-  unsigned faces = 0;
-  for (std::size_t face = 0; face < 6; ++face) {
-    int touched = 0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(cell.label_count); ++i)
-      touched += (cell.corners[i] & kFaces[face]) != 0;
-    if (touched >= labels) faces |= 1u << face;
-  }
+unsigned faces_with_all_labels(const CellSamples& cell) {
+  unsigned faces = ~0u;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(cell.label_count); ++i) faces &= kTouchedFaces[cell.corners[i]];
   return faces;
+}
+
+unsigned mixed_faces(const CellSamples& cell) {
+  unsigned touched = 0, mixed = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(cell.label_count); ++i) {
+    mixed |= touched & kTouchedFaces[cell.corners[i]];
+    touched |= kTouchedFaces[cell.corners[i]];
+  }
+  return mixed;
+}
+
+unsigned mixed_edges(const CellSamples& cell, unsigned axis) {
+  constexpr std::array<unsigned, 3> kLower = {0x55, 0x33, 0x0F};
+  unsigned mixed = 0;
+  for (std::size_t i = 1; i < static_cast<std::size_t>(cell.label_count); ++i)
+    mixed |= cell.corners[i] ^ static_cast<unsigned>(cell.corners[i]) >> (1u << axis);
+  return mixed & kLower[axis];
 }
 
 float crossing(const CellSamples& cell, unsigned lower, unsigned upper) {
@@ -124,15 +146,13 @@ CellPoint to_cell_point(const Eigen::Vector3f& steps) {
 CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations) {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   int crossings = 0;
-  for (std::size_t e = 0; e < kEdges.size(); ++e) {
-    const auto [lower, upper] = kEdges[e];
-    if (cell.owner[lower] == cell.owner[upper]) continue;
-    Eigen::Vector3f p(static_cast<float>(lower & 1), static_cast<float>(lower >> 1 & 1),
-                      static_cast<float>(lower >> 2 & 1));
-    p[static_cast<int>(e / 4)] = crossing(cell, lower, upper);
-    sum += p;
-    ++crossings;
-  }
+  for (unsigned axis = 0; axis < 3; ++axis)
+    for (unsigned rest = mixed_edges(cell, axis); rest != 0; rest &= rest - 1) {
+      const auto lower = static_cast<unsigned>(std::countr_zero(rest));
+      sum += kCorners[lower];
+      sum[axis] += crossing(cell, lower, lower | 1u << axis);
+      ++crossings;
+    }
   return finish(sum / static_cast<float>(crossings), gaps[0].data(), equations);
 }
 

@@ -10,8 +10,12 @@ namespace sonoloft {
 /// each label, and all the others, are connected along edges of the cube. Then one vertex serves all of them.
 [[nodiscard]] bool is_simple(const CellSamples& cell);
 
-/// Faces of the cell (bit 2 * axis + side) that touch at least `labels` labels.
-[[nodiscard]] unsigned faces_with_labels(const CellSamples& cell, int labels);
+/// Faces of the cell (bit 2 * axis + side) that touch all of its labels, and those that touch more than one.
+[[nodiscard]] unsigned faces_with_all_labels(const CellSamples& cell);
+[[nodiscard]] unsigned mixed_faces(const CellSamples& cell);
+
+/// The edges along an axis whose ends differ in label: a bit set of their lower ends.
+[[nodiscard]] unsigned mixed_edges(const CellSamples& cell, unsigned axis);
 
 /// Where the labels of two corners that differ are equally strong on the line between them: 0 at `lower`, 1 at `upper`,
 /// kept 0.01 inside, since no two simplices may share a node; the middle where the samples do not say. Depends on the

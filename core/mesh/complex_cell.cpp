@@ -47,7 +47,7 @@ class CellDrawer {
         if (second != first) draw_tetrahedron({4, {0, first, first | second, 7}});
   }
 
-  [[nodiscard]] bool is_mixed(unsigned face) const { return (faces_with_labels(samples_, 2) >> face & 1) != 0; }
+  [[nodiscard]] bool is_mixed(unsigned face) const { return (mixed_faces(samples_) >> face & 1) != 0; }
 
   /// The cone from a vertex over the lines that the tetrahedra leave on a face of the cell.
   void draw_cone(std::uint32_t apex, unsigned axis, bool upper) {

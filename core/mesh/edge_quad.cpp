@@ -35,14 +35,14 @@ bool inside_envelope(const Corner& c0, const Corner& c1, const Corner& c2, const
   return turn < det && turn * j[2] < at_j && at_j < turn * j[2] + (det - turn) * kStep;
 }
 
-/// Squared sine of the smallest angle of a triangle.
-float sharpness(const Corner& a, const Corner& b, const Corner& c) {
-  const auto vector = [](const Corner& from, const Corner& to) {
-    return Eigen::Vector3f(static_cast<float>(to[0] - from[0]), static_cast<float>(to[1] - from[1]),
-                           static_cast<float>(to[2] - from[2]));
-  };
-  const Eigen::Vector3f ab = vector(a, b), ac = vector(a, c);
-  const float l0 = ab.squaredNorm(), l1 = ac.squaredNorm(), l2 = vector(b, c).squaredNorm();
+Eigen::Vector3f vector(const Corner& from, const Corner& to) {
+  return {static_cast<float>(to[0] - from[0]), static_cast<float>(to[1] - from[1]),
+          static_cast<float>(to[2] - from[2])};
+}
+
+/// Squared sine of the smallest angle of a triangle with two sides ab, ac.
+float sharpness(const Eigen::Vector3f& ab, const Eigen::Vector3f& ac) {
+  const float l0 = ab.squaredNorm(), l1 = ac.squaredNorm(), l2 = (ac - ab).squaredNorm();
   // The smallest angle lies between the two longer sides, whose product times its sine is twice the area.
   return ab.cross(ac).squaredNorm() * std::min({l0, l1, l2}) / (l0 * l1 * l2);
 }
@@ -76,8 +76,10 @@ std::optional<int> safe_diagonal(const EdgeQuad& quad) {
   const bool safe13 = inside_envelope(c1, c2, c3, c0);
   if (!safe02 && !safe13) return std::nullopt;
   if (safe02 != safe13) return safe02 ? 0 : 1;
-  const float sharp02 = std::min(sharpness(c0, c1, c2), sharpness(c0, c2, c3));
-  const float sharp13 = std::min(sharpness(c1, c2, c3), sharpness(c1, c3, c0));
+  const Eigen::Vector3f c01 = vector(c0, c1), c02 = vector(c0, c2), c03 = vector(c0, c3);
+  const Eigen::Vector3f c12 = c02 - c01, c13 = c03 - c01;
+  const float sharp02 = std::min(sharpness(c01, c02), sharpness(c02, c03));
+  const float sharp13 = std::min(sharpness(c12, c13), sharpness(c13, -c01));
   return sharp02 >= sharp13 ? 0 : 1;
 }
 
@@ -91,8 +93,9 @@ bool draw_edge(const NetGrid& nets, const MixedEdge& edge, ChunkBuffer& chunk) {
   if (all_simple) {
     if (const auto diagonal = safe_diagonal(ring.quad)) {
       const auto first = static_cast<std::size_t>(*diagonal);
-      draw(corner(first), corner(first + 1), corner(first + 2));
-      draw(corner(first), corner(first + 2), corner(first + 3));
+      const std::uint32_t a = corner(first), b = corner(first + 1), c = corner(first + 2), d = corner(first + 3);
+      draw(a, b, c);
+      draw(a, c, d);
       return false;
     }
   }

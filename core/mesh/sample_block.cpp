@@ -50,9 +50,9 @@ void CellSamples::sort_labels(const std::array<Label, 8>& corner_labels) {
     label[at] = next;
     corners[at] = static_cast<std::uint8_t>(having);
   }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(label_count); ++i)
-    for (unsigned c = 0; c < 8; ++c)
-      if (corners[i] >> c & 1) owner[c] = static_cast<std::uint8_t>(i);
+  owner.fill(0);
+  for (std::size_t i = 1; i < static_cast<std::size_t>(label_count); ++i)
+    for (unsigned c = 0; c < 8; ++c) owner[c] = static_cast<std::uint8_t>((corners[i] >> c & 1) != 0 ? i : owner[c]);
 }
 
 void SampleBlock::select(const SampleLattice& lattice, const BrickCoord& coord) {
@@ -79,14 +79,14 @@ void SampleBlock::cell_shares(LocalPoint cell, CellSamples& samples) {
 }
 
 const float* SampleBlock::plane_of(Label label) {
-  const auto found = std::find(planes_of_.begin(), planes_of_.end(), label);
-  const auto plane = static_cast<std::size_t>(found - planes_of_.begin()) * kPoints;
-  if (found == planes_of_.end()) {
+  std::size_t plane = 0;
+  while (plane < planes_of_.size() && planes_of_[plane] != label) ++plane;
+  if (plane == planes_of_.size()) {
     planes_of_.push_back(label);
-    if (planes_.size() < plane + kPoints) planes_.resize(plane + kPoints);
-    read_plane(label, planes_.data() + plane);
+    if (planes_.size() < (plane + 1) * kPoints) planes_.resize((plane + 1) * kPoints);
+    read_plane(label, planes_.data() + plane * kPoints);
   }
-  return planes_.data() + plane;
+  return planes_.data() + plane * kPoints;
 }
 
 void SampleBlock::read_plane(Label label, float* plane) const {

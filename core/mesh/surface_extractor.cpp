@@ -9,6 +9,7 @@
 #include "core/mesh/complex_cell.h"
 #include "core/mesh/edge_quad.h"
 #include "core/slice/parallel.h"
+#include "core/slice/scratch_pool.h"
 
 namespace sonoloft {
 namespace {
@@ -20,7 +21,7 @@ BrickCoord operator+(const BrickCoord& a, const BrickCoord& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 
-/// In the order of the bits of faces_with_labels().
+/// In the order of the bits of mixed_faces().
 constexpr std::array<BrickCoord, 6> kBeside = {{{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 /// Where the cells lie that a chunk is drawn from: those around the edges that it owns, and those beside its cells.
 constexpr std::array<BrickCoord, 10> kDrawnFrom = {{{0, 0, 0},
@@ -57,39 +58,36 @@ struct BrickState {
 };
 using BrickList = std::vector<BrickState*>;
 
-/// Draws chunks from finished nets.
-class ChunkDrawer {
- public:
-  explicit ChunkDrawer(const LatticeFrame& frame) : frame_(frame) {}
+bool relax(BrickState& state) {
+  std::array<const BrickNet*, 6> beside{};
+  for (std::size_t face = 0; face < 6; ++face)
+    if (const BrickState* there = state.beside(kBeside[face])) beside[face] = &there->net;
+  return state.net.relax(beside);
+}
 
-  /// True if the chunk comes out different from what it was.
-  bool draw(BrickState& state) {
-    NetGrid nets{};
-    for (const BrickCoord& d : kDrawnFrom)
-      if (const BrickState* there = state.beside(d)) nets.nets[NetGrid::index(d.x, d.y, d.z)] = &there->net;
-    buffer_.start(state.coord);
-    state.fans = 0;
-    const BrickCells& cells = state.net.cells();
-    for (const MixedEdge& edge : cells.edges) state.fans += draw_edge(nets, edge, buffer_);
-    for (std::size_t i = 0; i < cells.complex_cells.size(); ++i)
-      draw_complex_cell(cells.complex_samples[i], nets, local_point(cells.complex_cells[i]), buffer_);
-    const ChunkPtr before = std::exchange(state.chunk, buffer_.finish(frame_, state.chunk));
-    state.collapsed_triangles = buffer_.collapsed_triangles();
-    return state.chunk != before;
-  }
-
- private:
-  LatticeFrame frame_;
-  ChunkBuffer buffer_;
-};
+/// Draws a chunk from finished nets. True if it comes out different from what it was.
+bool draw(BrickState& state, const LatticeFrame& frame, ChunkBuffer& buffer) {
+  NetGrid nets{};
+  for (const BrickCoord& d : kDrawnFrom)
+    if (const BrickState* there = state.beside(d)) nets.nets[NetGrid::index(d.x, d.y, d.z)] = &there->net;
+  buffer.start(state.coord);
+  state.fans = 0;
+  const BrickCells& cells = state.net.cells();
+  for (const MixedEdge& edge : cells.edges) state.fans += draw_edge(nets, edge, buffer);
+  for (std::size_t i = 0; i < cells.complex_cells.size(); ++i)
+    draw_complex_cell(cells.complex_samples[i], nets, local_point(cells.complex_cells[i]), buffer);
+  const ChunkPtr before = std::exchange(state.chunk, buffer.finish(frame, state.chunk));
+  state.collapsed_triangles = buffer.collapsed_triangles();
+  return state.chunk != before;
+}
 
 /// Runs body(state, scratch) on bricks; returns those for which it said true, in their order.
-template <class MakeScratch, class Body>
-BrickList filter(const BrickList& list, int threads, const MakeScratch& make_scratch, const Body& body) {
+template <class Scratch, class Body>
+BrickList filter(const BrickList& list, int threads, ScratchPool<Scratch>& scratches, const Body& body) {
   std::vector<char> said(list.size());
   parallel_for(list.size(), kBricksPerPiece, threads, [&](std::size_t first, std::size_t last) {
-    auto scratch = make_scratch();
-    for (std::size_t i = first; i < last; ++i) said[i] = body(*list[i], scratch);
+    const auto scratch = scratches.take();
+    for (std::size_t i = first; i < last; ++i) said[i] = body(*list[i], *scratch);
   });
   BrickList result;
   for (std::size_t i = 0; i < list.size(); ++i)
@@ -104,6 +102,8 @@ struct SurfaceExtractor::State {
   std::map<BrickCoord, ChunkPtr> chunks;                              ///< those of `bricks` with a triangle
   std::size_t bricks_read = 0, chunks_rebuilt = 0;
   std::uint32_t lists = 0;  ///< made so far
+  ScratchPool<ReadScratch> readers;
+  ScratchPool<ChunkBuffer> buffers;
 
   BrickState& find_or_add(const BrickCoord& coord) {
     const auto [it, added] = bricks.try_emplace(coord);
@@ -178,22 +178,16 @@ SurfaceExtractor& SurfaceExtractor::operator=(SurfaceExtractor&&) noexcept = def
 std::vector<BrickCoord> SurfaceExtractor::update(const SampleLattice& lattice, std::span<const BrickCoord> changed,
                                                  int threads) {
   State& state = *state_;
-  const auto no_scratch = [] { return 0; };
   const BrickList read = state.to_read(lattice, changed);
-  const BrickList differ = filter(
-      read, threads, [] { return ReadScratch(); },
-      [&](BrickState& brick, ReadScratch& scratch) { return brick.net.read(scratch, lattice, brick.coord); });
-  const BrickList moved = filter(state.to_relax(differ), threads, no_scratch, [](BrickState& brick, int) {
-    std::array<const BrickNet*, 6> beside{};
-    for (std::size_t face = 0; face < 6; ++face)
-      if (const BrickState* there = brick.beside(kBeside[face])) beside[face] = &there->net;
-    return brick.net.relax(beside);
+  const BrickList differ = filter(read, threads, state.readers, [&](BrickState& brick, ReadScratch& scratch) {
+    return brick.net.read(scratch, lattice, brick.coord);
   });
+  const BrickList moved = filter(state.to_relax(differ), threads, state.readers,
+                                 [](BrickState& brick, ReadScratch&) { return relax(brick); });
   const BrickList to_draw = state.to_draw(differ, moved);
   const LatticeFrame frame{lattice.origin_mm(), lattice.spacing_mm()};
-  const BrickList redrawn = filter(
-      to_draw, threads, [&] { return ChunkDrawer(frame); },
-      [](BrickState& brick, ChunkDrawer& drawer) { return drawer.draw(brick); });
+  const BrickList redrawn = filter(to_draw, threads, state.buffers,
+                                   [&](BrickState& brick, ChunkBuffer& buffer) { return draw(brick, frame, buffer); });
 
   std::vector<BrickCoord> result;
   for (const BrickState* brick : redrawn) {

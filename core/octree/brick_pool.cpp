@@ -20,6 +20,38 @@ const float* ShareTable::find(Label label) const {
   return share.data() + (it - palette.begin()) * kBrickSamples;
 }
 
+void ShareTable::drop_empty_rows() {
+  for (std::size_t row = palette.size(); row-- > 0;) {
+    const auto first = share.begin() + static_cast<std::ptrdiff_t>(row * kBrickSamples), last = first + kBrickSamples;
+    if (std::any_of(first, last, [](float s) { return s != 0.0F; })) continue;
+    share.erase(first, last);
+    palette.erase(palette.begin() + static_cast<std::ptrdiff_t>(row));
+  }
+}
+
+void WorkBrick::add(std::uint32_t cell, const SampleMask& samples) {
+  sampled = sampled | samples;
+  const auto known =
+      std::find_if(in_cells.begin(), in_cells.end(), [&](const SamplesInCell& in) { return in.cell == cell; });
+  if (known == in_cells.end())
+    in_cells.push_back({cell, samples});
+  else
+    known->samples = known->samples | samples;
+}
+
+void WorkBrick::forget(const SampleMask& samples) {
+  sampled = sampled - samples;
+  pinned = pinned - samples;
+  for (SamplesInCell& in : in_cells) in.samples = in.samples - samples;
+  std::erase_if(in_cells, [](const SamplesInCell& in) { return !in.samples.any(); });
+  samples.for_each([&](int i) {
+    label[static_cast<std::size_t>(i)] = kNotSampled;
+    for (std::size_t row = 0; row < shares.palette.size(); ++row)
+      shares.share[row * kBrickSamples + static_cast<std::size_t>(i)] = 0.0F;
+    if (!smooth.unmeasured.empty()) smooth.unmeasured[static_cast<std::size_t>(i)] = 0.0F;
+  });
+}
+
 std::uint32_t BrickPool::find_or_add(BrickCoord coord) {
   const auto [it, added] = index_.try_emplace(coord, 0u);
   if (!added) return it->second;
@@ -38,7 +70,6 @@ std::uint32_t BrickPool::find_or_add(BrickCoord coord) {
     brick.around[static_cast<std::size_t>(i)] =
         find({coord.x + i % 3 - 1, coord.y + i / 3 % 3 - 1, coord.z + i / 9 - 1});
   name_to_neighbours(brick, index);
-  brick.cell.fill(kNoCell);
   brick.label.fill(kNotSampled);
   brick.smooth.label.fill(kNotSampled);
   return index;

@@ -10,7 +10,6 @@
 
 namespace sonoloft {
 
-inline constexpr std::uint32_t kNoCell = 0xFFFFFFFF;
 inline constexpr std::uint32_t kNoBrick = 0xFFFFFFFF;
 
 /// Shares of the labels that occur in a brick.
@@ -22,6 +21,14 @@ struct ShareTable {
   [[nodiscard]] float* row(Label label);
   /// The row of a label, or null.
   [[nodiscard]] const float* find(Label label) const;
+  /// Removes the rows of nothing but 0, so that the table is a function of the shares.
+  void drop_empty_rows();
+};
+
+/// Samples of a brick that lie in one convex cell.
+struct SamplesInCell {
+  std::uint32_t cell;
+  SampleMask samples;
 };
 
 /// Index of the brick at (x, y, z) from another one, each -1, 0 or 1, among the 27 around that.
@@ -32,20 +39,24 @@ constexpr std::size_t beside(int x, int y, int z) {
 /// All that is known of a brick: what was sampled, and what smoothing made of it.
 struct WorkBrick {
   BrickCoord coord{};
-  std::array<std::uint32_t, 27> around;       ///< [beside()] index of the brick there, kNoBrick; its own in the middle
-  std::uint8_t contour_seeds = 0;             ///< octants that a contour runs through
-  std::uint8_t background_seeds = 0;          ///< octants that a surface of the background runs through
-  std::uint8_t active = 0;                    ///< octants whose corners are sampled
-  std::array<std::uint8_t, 8> mixed_faces{};  ///< [octant] see mixed_faces()
+  std::array<std::uint32_t, 27> around;     ///< [beside()] index of the brick there, kNoBrick; its own in the middle
+  OctantMask contour_seeds = 0;             ///< octants that a contour runs through
+  OctantMask background_seeds = 0;          ///< octants that a surface of the background runs through
+  OctantMask active = 0;                    ///< octants whose corners are sampled
+  std::array<OctantMask, 6> mixed_faces{};  ///< [face] see mixed_faces()
   SampleMask sampled;
-  SampleMask pinned;                              ///< within a finest cell of a slice: smoothing leaves it alone
-  std::array<std::uint32_t, kBrickSamples> cell;  ///< the convex cell of a sample, kNoCell
-  std::array<Label, kBrickSamples> label;         ///< as sampled; kNotSampled
-  ShareTable shares;                              ///< as sampled
-  std::vector<ContourPiece> contours;             ///< in its cells
-  Brick smooth;                                   ///< what the mesh sees
+  SampleMask pinned;                       ///< within a finest cell of a slice: smoothing leaves it alone
+  std::vector<SamplesInCell> in_cells;     ///< none empty
+  std::array<Label, kBrickSamples> label;  ///< as sampled; kNotSampled
+  ShareTable shares;                       ///< as sampled; 0 where not
+  std::vector<ContourPiece> contours;      ///< in its cells
+  Brick smooth;                            ///< what the mesh sees
 
-  [[nodiscard]] std::uint8_t seeds() const { return static_cast<std::uint8_t>(contour_seeds | background_seeds); }
+  [[nodiscard]] OctantMask seeds() const { return contour_seeds | background_seeds; }
+  /// Samples that were found in a cell.
+  void add(std::uint32_t cell, const SampleMask& samples);
+  /// Samples that are taken again, or no more.
+  void forget(const SampleMask& samples);
 };
 
 /// The bricks by coordinate and by index. Indices of removed bricks are used again.

@@ -6,20 +6,41 @@
 #include "core/slice/parallel.h"
 
 namespace sonoloft {
+namespace {
 
-/// The samples of the octant lie in its brick and, on its upper sides, in the bricks above.
-void OctantGrowth::disturb(Octant octant) {
-  const WorkBrick& brick = bricks_[bricks_.find_or_add(octant.brick())];
-  const int upper = octant.index();
-  for (int i = 0; i < 8; ++i)
-    if ((upper & i) == i) disturbed_.add(bricks_.find_or_add_beside(brick, i & 1, (i >> 1) & 1, i >> 2));
+/// Index in WorkBrick::around of the brick across a face.
+constexpr std::array<std::size_t, 6> kAcross = {beside(-1, 0, 0), beside(1, 0, 0),  beside(0, -1, 0),
+                                                beside(0, 1, 0),  beside(0, 0, -1), beside(0, 0, 1)};
+
+/// The octants of a brick that mixed faces join to some of them without leaving the brick.
+OctantMask flood(const WorkBrick& brick, OctantMask octants) {
+  for (OctantMask before = 0; octants != before;) {
+    before = octants;
+    for (int face = 0; face < 6; ++face)
+      octants |= behind(octants & brick.mixed_faces[static_cast<std::size_t>(face)], face).own;
+  }
+  return octants;
 }
 
-void OctantGrowth::activate(Octant octant) {
-  WorkBrick& brick = bricks_[bricks_.find_or_add(octant.brick())];
-  if ((brick.active & octant.bit()) != 0) return;
-  brick.active |= octant.bit();
-  disturb(octant);
+}  // namespace
+
+/// The samples of an octant lie in its brick and, on its upper sides, in the bricks above.
+void OctantGrowth::disturb(std::uint32_t index, OctantMask octants) {
+  const WorkBrick& brick = bricks_[index];
+  for (int i = 0; i < 8; ++i) {
+    OctantMask reaching = octants;
+    for (int axis = 0; axis < 3; ++axis)
+      if ((i >> axis & 1) != 0) reaching = behind(reaching, 2 * axis + 1).beside;
+    if (reaching != 0) disturbed_.add(bricks_.find_or_add_beside(brick, i & 1, (i >> 1) & 1, i >> 2));
+  }
+}
+
+void OctantGrowth::activate(std::uint32_t index, OctantMask octants) {
+  WorkBrick& brick = bricks_[index];
+  const OctantMask added = octants & ~brick.active;
+  if (added == 0) return;
+  brick.active |= added;
+  disturb(index, added);
 }
 
 IndexSet OctantGrowth::take_disturbed() {
@@ -27,18 +48,12 @@ IndexSet OctantGrowth::take_disturbed() {
 }
 
 SampleMask OctantGrowth::needed(const WorkBrick& brick) const {
-  SampleMask mask;
+  std::array<OctantMask, 8> octants;
   for (int i = 0; i < 8; ++i) {
-    const std::uint32_t index = brick.around[beside(-(i & 1), -((i >> 1) & 1), -(i >> 2))];
-    if (index == kNoBrick) continue;
-    for (int octant = 0; octant < 8; ++octant) {
-      // Of the bricks below only the octants next to this one reach here.
-      if ((bricks_[index].active >> octant & 1) == 0 || (octant & i) != i) continue;
-      const auto at = [&](int axis) { return (i >> axis & 1) != 0 ? -1 : octant >> axis & 1; };
-      mask = mask | corners_of_octant(at(0), at(1), at(2));
-    }
+    const std::uint32_t below = brick.around[beside(-(i & 1), -((i >> 1) & 1), -(i >> 2))];
+    octants[static_cast<std::size_t>(i)] = below == kNoBrick ? 0 : bricks_[below].active;
   }
-  return mask;
+  return corners_of(octants);
 }
 
 void OctantGrowth::refresh_faces(WorkBrick& brick) const {
@@ -52,7 +67,7 @@ void OctantGrowth::refresh_faces(WorkBrick& brick) const {
     const std::uint32_t index = brick.around[beside(i & 1, (i >> 1) & 1, i >> 2)];
     from[static_cast<std::size_t>(i)] = index == kNoBrick ? kNothing.data() : bricks_[index].label.data();
   }
-  std::array<Label, 729> labels;
+  CornerLabels labels;
   auto out = labels.begin();
   for (int z = 0; z <= kBrickSize; ++z)
     for (int y = 0; y <= kBrickSize; ++y) {
@@ -76,54 +91,68 @@ void OctantGrowth::follow(const std::vector<std::uint32_t>& resampled, int threa
   parallel_for(items.size(), 32, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t n = first; n < last; ++n) refresh_faces(bricks_[items[n]]);
   });
-  std::vector<Octant> behind;  // activated when all are known: the faces of octants without samples mean nothing
+  // Activated when all are known: the faces of octants without samples mean nothing.
+  std::vector<std::pair<std::uint32_t, OctantMask>> found;
   for (const std::uint32_t index : items) {
     faces_changed_.add(index);
     const WorkBrick& brick = bricks_[index];
-    for (int octant = 0; octant < 8; ++octant)
-      for (int face = 0; face < 6; ++face)
-        if ((brick.active >> octant & 1) != 0 && (brick.mixed_faces[static_cast<std::size_t>(octant)] >> face & 1) != 0)
-          behind.push_back(Octant::of(brick.coord, octant).neighbour(face));
+    for (int face = 0; face < 6; ++face) {
+      const BesideMasks next = behind(brick.active & brick.mixed_faces[static_cast<std::size_t>(face)], face);
+      if ((next.own & ~brick.active) != 0) found.emplace_back(index, next.own);
+      if (next.beside == 0) continue;
+      const auto d = static_cast<int>(kAcross[static_cast<std::size_t>(face)]);
+      found.emplace_back(bricks_.find_or_add_beside(brick, d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1), next.beside);
+    }
   }
-  for (const Octant octant : behind) activate(octant);
+  for (const auto& [index, octants] : found) activate(index, octants);
 }
 
-/// The active octants that mixed faces join to `start`, as far as the nearest seed.
-std::vector<Octant> OctantGrowth::chain(Octant start, bool& reaches_seed) const {
-  std::vector<Octant> found{start};
-  std::unordered_set<Octant, OctantHash> visited{start};
-  reaches_seed = false;
-  for (std::size_t n = 0; n < found.size() && !reaches_seed; ++n) {
-    const Octant octant = found[n];
-    const WorkBrick& brick = bricks_[bricks_.find(octant.brick())];
-    reaches_seed = (brick.seeds() & octant.bit()) != 0 || joined_.contains(octant);
-    for (int face = 0; face < 6; ++face)
-      if ((brick.mixed_faces[static_cast<std::size_t>(octant.index())] >> face & 1) != 0 &&
-          visited.insert(octant.neighbour(face)).second)
-        found.push_back(octant.neighbour(face));
+/// Seeks the octants that mixed faces join to `start`, until one is met that is joined to a seed: then true, and all
+/// that were met are.
+bool OctantGrowth::find_chain(std::uint32_t first, OctantMask start) {
+  for (const std::uint32_t index : chain_) chained_[index] = 0;
+  chain_.clear();
+  std::vector<std::uint32_t> to_flood;  // the nearest first
+  const auto meet = [&](std::uint32_t index, OctantMask octants) {
+    if ((octants & ~chained_[index]) == 0) return;
+    if (chained_[index] == 0) chain_.push_back(index);
+    chained_[index] |= octants;
+    to_flood.push_back(index);
+  };
+  meet(first, start);
+  for (std::size_t n = 0; n < to_flood.size(); ++n) {
+    const std::uint32_t index = to_flood[n];
+    const WorkBrick& brick = bricks_[index];
+    chained_[index] = flood(brick, chained_[index]);
+    if ((chained_[index] & (brick.seeds() | joined_[index])) != 0) return true;
+    for (int face = 0; face < 6; ++face) {
+      const auto f = static_cast<std::size_t>(face);
+      if (const OctantMask next = behind(chained_[index] & brick.mixed_faces[f], face).beside; next != 0)
+        meet(brick.around[kAcross[f]], next);
+    }
   }
-  return found;
+  return false;
 }
 
 void OctantGrowth::prune() {
+  joined_.assign(bricks_.capacity(), 0);
+  chained_.assign(bricks_.capacity(), 0);
   // A chain that broke has a face that changed on either side of the break, so every loose piece is met here.
-  for (const std::uint32_t index : faces_changed_.items())
-    for (int i = 0; i < 8; ++i) {
-      const Octant start = Octant::of(bricks_[index].coord, i);
-      if ((bricks_[index].active & start.bit()) == 0 || (bricks_[index].seeds() & start.bit()) != 0 ||
-          joined_.contains(start))
-        continue;
-      bool reaches_seed = false;
-      const std::vector<Octant> found = chain(start, reaches_seed);
-      if (reaches_seed) {
-        joined_.insert(found.begin(), found.end());
-        continue;
-      }
-      for (const Octant& octant : found) {
-        bricks_[bricks_.find(octant.brick())].active &= static_cast<std::uint8_t>(~octant.bit());
-        disturb(octant);
+  for (const std::uint32_t index : faces_changed_.items()) {
+    const WorkBrick& brick = bricks_[index];
+    joined_[index] = flood(brick, brick.seeds() | joined_[index]);
+    while (const OctantMask loose = brick.active & ~joined_[index]) {
+      const bool reaches_seed = find_chain(index, loose & (0 - loose));
+      for (const std::uint32_t met : chain_) {
+        if (reaches_seed) {
+          joined_[met] |= chained_[met];
+        } else {
+          bricks_[met].active &= ~chained_[met];
+          disturb(met, chained_[met]);
+        }
       }
     }
+  }
 }
 
 }  // namespace sonoloft

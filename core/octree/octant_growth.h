@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <unordered_set>
 #include <vector>
 
 #include "core/octree/brick_pool.h"
@@ -16,9 +15,9 @@ class OctantGrowth {
  public:
   explicit OctantGrowth(BrickPool& bricks) : bricks_(bricks) {}
 
-  void activate(Octant octant);
-  /// The octant is no seed any more: it stays active only if a chain joins it to one.
-  void unseed(Octant octant) { faces_changed_.add(bricks_.find(octant.brick())); }
+  void activate(std::uint32_t brick, OctantMask octants);
+  /// Octants of the brick are no seeds any more: they stay active only if a chain joins them to one.
+  void unseed(std::uint32_t brick) { faces_changed_.add(brick); }
   /// Bricks whose set of needed samples may have changed since the last call.
   [[nodiscard]] IndexSet take_disturbed();
   /// The samples of a brick that are corners of active octants, its own and those of the bricks below.
@@ -30,14 +29,16 @@ class OctantGrowth {
   void prune();
 
  private:
-  void disturb(Octant octant);
+  void disturb(std::uint32_t brick, OctantMask octants);
   void refresh_faces(WorkBrick& brick) const;
-  [[nodiscard]] std::vector<Octant> chain(Octant start, bool& reaches_seed) const;
+  [[nodiscard]] bool find_chain(std::uint32_t brick, OctantMask start);
 
   BrickPool& bricks_;
   IndexSet disturbed_;
-  IndexSet faces_changed_;  ///< bricks whose mixed faces or seeds may have changed in this update
-  std::unordered_set<Octant, OctantHash> joined_;
+  IndexSet faces_changed_;            ///< bricks whose mixed faces or seeds may have changed in this update
+  std::vector<OctantMask> joined_;    ///< [brick] octants known to be joined to a seed
+  std::vector<OctantMask> chained_;   ///< [brick] octants of the chain that was sought last
+  std::vector<std::uint32_t> chain_;  ///< the bricks that it runs through
 };
 
 }  // namespace sonoloft

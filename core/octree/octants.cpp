@@ -1,7 +1,5 @@
 #include "core/octree/octants.h"
 
-#include <algorithm>
-
 namespace sonoloft {
 namespace {
 
@@ -24,13 +22,75 @@ Masks make_masks(const Inside& inside) {
   return masks;
 }
 
-}  // namespace
+/// A layer of octants, of the brick (0) and of those below it in x (1), in y (2) and in both (3).
+using OctantLayers = std::array<unsigned, 4>;
 
-const SampleMask& corners_of_octant(int x, int y, int z) {
-  static const Masks masks =
-      make_masks([](int d, int at) { return at >= kOctantCells * d && at <= kOctantCells * (d + 1); });
-  return masks[mask_index(x, y, z)];
+OctantLayers octant_layers(const std::array<OctantMask, 8>& octants, std::size_t first, int z) {
+  OctantLayers layers;
+  for (std::size_t i = 0; i < 4; ++i) layers[i] = static_cast<unsigned>(octants[first + i] >> (16 * z) & 0xFFFF);
+  return layers;
 }
+
+/// Bit 2 x + 16 y for each bit x + 4 y, 0..3 each.
+std::uint64_t spread(std::uint64_t layer) {
+  std::uint64_t m = (layer & 0xFF) | (layer & 0xFF00) << 24;
+  m = (m & 0x0000000F0000000F) | (m & 0x000000F0000000F0) << 12;
+  m = (m | m << 2) & 0x0033003300330033;
+  return (m | m << 1) & 0x0055005500550055;
+}
+
+/// The corners that a layer of octants has in a layer of samples: those of the layers below on the lowest sides only.
+std::uint64_t corners_in_layer(const OctantLayers& octants) {
+  constexpr std::uint64_t kLowestX = 0x0101010101010101;
+  const auto along_x = [&](unsigned own, unsigned below) {
+    const std::uint64_t from = spread(own);
+    return from | from << 1 | (from << 2 & ~kLowestX) | spread((below & 0x8888) >> 3);
+  };
+  const std::uint64_t from = along_x(octants[0], octants[1]);
+  const std::uint64_t below = along_x(octants[2] >> 12, octants[3] >> 12);
+  return from | from << 8 | from << 16 | (below & 0xFF);
+}
+
+/// Three labels in a word, the first one lowest.
+std::uint64_t row_of_labels(const Label* first) {
+  return first[0] | std::uint64_t{first[1]} << 16 | std::uint64_t{first[2]} << 32;
+}
+
+constexpr std::uint64_t kFirstLabel = 0xFFFF;
+
+/// A row of one label.
+constexpr std::uint64_t same_labels(std::uint64_t row) {
+  return (row & kFirstLabel) * 0x000100010001;
+}
+
+/// The faces of one octant that carry more than one label, 2 * axis + (1 for the upper side).
+unsigned mixed_faces_of(const Label* lowest) {
+  std::array<std::array<std::uint64_t, 3>, 3> row;  // [z][y]
+  for (std::size_t z = 0; z < 3; ++z)
+    for (std::size_t y = 0; y < 3; ++y) row[z][y] = row_of_labels(lowest + kCornerSide * (y + kCornerSide * z));
+  const std::uint64_t same = same_labels(row[0][0]);
+  std::uint64_t differing = 0, differing_x = 0;
+  for (const auto& layer : row)
+    for (const std::uint64_t r : layer) {
+      differing |= r ^ same;
+      differing_x |= r ^ row[0][0];
+    }
+  if (differing == 0) return 0;
+  unsigned faces = (differing_x & kFirstLabel) != 0 ? 1u : 0u;
+  faces |= differing_x >> 32 != 0 ? 2u : 0u;
+  const auto differ = [&](std::uint64_t a, std::uint64_t b, std::uint64_t c) {
+    const std::uint64_t all = same_labels(a);
+    return ((a ^ all) | (b ^ all) | (c ^ all)) != 0;
+  };
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::size_t at = 2 * side;
+    if (differ(row[0][at], row[1][at], row[2][at])) faces |= 4u << side;
+    if (differ(row[at][0], row[at][1], row[at][2])) faces |= 16u << side;
+  }
+  return faces;
+}
+
+}  // namespace
 
 const SampleMask& samples_near(int x, int y, int z) {
   static const Masks masks =
@@ -43,34 +103,30 @@ const SampleMask& corners_for_below(int x, int y, int z) {
   return masks[mask_index(x, y, z)];
 }
 
-std::array<std::uint8_t, 8> mixed_faces(const std::array<Label, 729>& labels) {
-  constexpr int kStride[3] = {1, 9, 81};
-  // Faces lie in the layers 0, 4 and 8 of an axis, in four quarters each: 36 in all, each shared by two octants.
-  bool mixed[3][3][4];
-  for (int axis = 0; axis < 3; ++axis)
-    for (int layer = 0; layer < 3; ++layer)
-      for (int quarter = 0; quarter < 4; ++quarter) {
-        const int du = kStride[(axis + 1) % 3];
-        const int dv = kStride[(axis + 2) % 3];
-        const int base = kOctantCells * (layer * kStride[axis] + (quarter & 1) * du + (quarter >> 1) * dv);
-        const Label first = labels[static_cast<std::size_t>(base)];
-        bool differ = false;
-        for (int v = 0; v <= kOctantCells; ++v)
-          for (int u = 0; u <= kOctantCells; ++u)
-            differ |= labels[static_cast<std::size_t>(base + u * du + v * dv)] != first;
-        mixed[axis][layer][quarter] = differ;
-      }
-  std::array<std::uint8_t, 8> result{};
-  for (int octant = 0; octant < 8; ++octant) {
-    const int at[3] = {octant & 1, (octant >> 1) & 1, octant >> 2};
-    for (int axis = 0; axis < 3; ++axis)
-      for (int side = 0; side < 2; ++side) {
-        const int quarter = at[(axis + 1) % 3] + 2 * at[(axis + 2) % 3];
-        if (mixed[axis][at[axis] + side][quarter])
-          result[static_cast<std::size_t>(octant)] |= static_cast<std::uint8_t>(1u << (2 * axis + side));
-      }
+SampleMask corners_of(const std::array<OctantMask, 8>& octants) {
+  SampleMask mask;
+  mask.layer[0] = corners_in_layer(octant_layers(octants, 4, kOctantSide - 1));
+  for (int z = 0; z < kOctantSide; ++z) {
+    const std::uint64_t corners = corners_in_layer(octant_layers(octants, 0, z));
+    const auto lowest = static_cast<std::size_t>(kOctantCells * z);
+    mask.layer[lowest] |= corners;
+    mask.layer[lowest + 1] |= corners;
+    if (z + 1 < kOctantSide) mask.layer[lowest + 2] |= corners;
   }
-  return result;
+  return mask;
+}
+
+std::array<OctantMask, 6> mixed_faces(const CornerLabels& labels) {
+  std::array<OctantMask, 6> mixed{};
+  for (int i = 0; i < 64; ++i) {
+    const auto x = static_cast<std::size_t>(i & 3), y = static_cast<std::size_t>(i >> 2 & 3);
+    const auto z = static_cast<std::size_t>(i >> 4);
+    const Label* lowest = labels.data() + kOctantCells * (x + kCornerSide * (y + kCornerSide * z));
+    if (*lowest == kNotSampled) continue;
+    const unsigned faces = mixed_faces_of(lowest);
+    for (std::size_t face = 0; face < 6; ++face) mixed[face] |= OctantMask{faces >> face & 1} << i;
+  }
+  return mixed;
 }
 
 }  // namespace sonoloft

@@ -13,6 +13,7 @@
 #include "core/octree/sampler.h"
 #include "core/octree/smoothing.h"
 #include "core/slice/parallel.h"
+#include "core/slice/scratch_pool.h"
 
 namespace sonoloft {
 namespace {
@@ -58,16 +59,19 @@ struct SampleOctree::State {
   };
   std::vector<Contour> new_contours;  ///< noted since the last update
   IndexSet contoured;                 ///< bricks of which contours came or went since the last update
-  std::vector<Octant> unseeded;       ///< octants through which no contour runs any more, as it seems
+  IndexSet unseeded;                  ///< bricks with octants through which contours ran, and may run no more
+  ScratchPool<Smoother> smoothers;
 
   void seed_background(OctantGrowth& growth);
   /// Hands the pieces of a contour to the bricks that it runs through, and switches on the octants.
-  void trace(const Contour& contour, OctantGrowth& growth);
+  /// @param near  the brick where the contour before ended, kNoBrick; out, where this one does
+  void trace(const Contour& contour, OctantGrowth& growth, std::uint32_t& near);
   /// Forgets the contours of which the middle and the slice are taken.
   template <class Taken>
   void forget_contours(const Taken& taken);
   /// Ascending by slice; those of one slice in an order that tells nothing of how they came.
   void sort_contours();
+  [[nodiscard]] SampleMask stale_in(const WorkBrick& brick) const;
   [[nodiscard]] std::vector<SampleJob> stale_jobs();
   void add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs, int threads) const;
   void drop_unneeded(OctantGrowth& growth, TouchedSamples& touched);
@@ -80,21 +84,21 @@ SampleOctree::~SampleOctree() = default;
 SampleOctree::SampleOctree(SampleOctree&&) noexcept = default;
 SampleOctree& SampleOctree::operator=(SampleOctree&&) noexcept = default;
 
-void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth) {
+void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth, std::uint32_t& near) {
   const Eigen::Vector3d a = (contour.a - origin_mm) / spacing_mm, b = (contour.b - origin_mm) / spacing_mm;
   walk_grid(a / kOctantCells, b / kOctantCells, [&](double from, double to) {
     const Eigen::Vector3d p = a + from * (b - a), q = a + to * (b - a);
     const Eigen::Vector3i at = (0.5 * (p + q) / kOctantCells).array().floor().cast<int>();
     const Octant octant{at.x(), at.y(), at.z()};
-    const std::uint32_t index = bricks.find_or_add(octant.brick());
-    WorkBrick& brick = bricks[index];
+    if (near == kNoBrick || bricks[near].coord != octant.brick()) near = bricks.find_or_add(octant.brick());
+    WorkBrick& brick = bricks[near];
     const Eigen::Vector3d base =
         Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z).cast<double>() * kBrickSize;
     brick.contours.push_back({(p - base).cast<float>(), (q - base).cast<float>(), contour.lower, contour.upper,
                               contour.slice, from == 0.0, to == 1.0});
     brick.contour_seeds |= octant.bit();
-    growth.activate(octant);
-    contoured.add(index);
+    growth.activate(near, octant.bit());
+    contoured.add(near);
   });
 }
 
@@ -132,8 +136,7 @@ void SampleOctree::State::forget_contours(const Taken& taken) {
     });
     if (gone == 0) continue;
     contoured.add(index);
-    for (int i = 0; i < 8; ++i)
-      if ((brick.contour_seeds >> i & 1) != 0) unseeded.push_back(Octant::of(brick.coord, i));
+    unseeded.add(index);
     brick.contour_seeds = 0;
     for (const ContourPiece& piece : brick.contours) {
       const Eigen::Vector3d p = middle(piece) / kOctantCells;
@@ -162,6 +165,10 @@ void SampleOctree::note(const Background& background, std::span<const Background
   state_->background.add(background, changes);
 }
 
+void SampleOctree::note(std::span<const CellId> filled_anew) {
+  for (const CellId cell : filled_anew) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
+}
+
 void SampleOctree::State::sort_contours() {
   const auto key = [](const ContourPiece& c) {
     return std::tuple(c.slice, c.a.x(), c.a.y(), c.a.z(), c.b.x(), c.b.y(), c.b.z(), c.lower, c.upper);
@@ -174,49 +181,47 @@ void SampleOctree::State::sort_contours() {
 void SampleOctree::State::seed_background(OctantGrowth& growth) {
   for (const Octant& octant : background.octants()) {
     if (background.seeds(octant)) {
-      bricks[bricks.find_or_add(octant.brick())].background_seeds |= octant.bit();
-      growth.activate(octant);
+      const std::uint32_t index = bricks.find_or_add(octant.brick());
+      bricks[index].background_seeds |= octant.bit();
+      growth.activate(index, octant.bit());
     } else if (const std::uint32_t index = bricks.find(octant.brick()); index != kNoBrick) {
-      bricks[index].background_seeds &= static_cast<std::uint8_t>(~octant.bit());
-      growth.unseed(octant);
+      bricks[index].background_seeds &= ~octant.bit();
+      growth.unseed(index);
     }
   }
 }
 
-/// Samples whose cell was cut since they were taken, or that the background fills in part and has news of.
+/// Samples of a brick whose cell was cut since they were taken, or that the background fills in part and has news of.
+SampleMask SampleOctree::State::stale_in(const WorkBrick& brick) const {
+  SampleMask stale;
+  for (const SamplesInCell& in : brick.in_cells)
+    if (changed_cells.contains(in.cell)) stale = stale | in.samples;
+  const std::vector<float>& unmeasured = brick.smooth.unmeasured;
+  if (unmeasured.empty()) return stale;
+  const Eigen::Vector3i base = kBrickSize * Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z);
+  brick.sampled.for_each([&](int i) {
+    const Eigen::Vector3i at = base + Eigen::Vector3i(i & 7, i >> 3 & 7, i >> 6);
+    if (unmeasured[static_cast<std::size_t>(i)] > 0.0f &&
+        background.changed(origin_mm + spacing_mm * at.cast<double>()))
+      stale.set(i);
+  });
+  return stale;
+}
+
 std::vector<SampleJob> SampleOctree::State::stale_jobs() {
   std::vector<SampleJob> jobs;
   IndexSet seen_bricks;
-  const auto filled_anew = [&](const WorkBrick& brick, std::size_t i) {
-    if (brick.smooth.unmeasured.empty() || brick.smooth.unmeasured[i] <= 0.0f) return false;
-    const Eigen::Vector3i at =
-        kBrickSize * Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z) +
-        Eigen::Vector3i(static_cast<int>(i & 7), static_cast<int>(i >> 3 & 7), static_cast<int>(i >> 6));
-    return background.changed(origin_mm + spacing_mm * at.cast<double>());
+  const auto look_at = [&](std::uint32_t index) {
+    if (!seen_bricks.add(index)) return;
+    if (const SampleMask stale = stale_in(bricks[index]); stale.any()) jobs.push_back({index, stale});
   };
   for (const std::uint32_t cell : changed_cells.items()) {
     if (cell >= bricks_of_cell.size()) continue;
-    for (const std::uint32_t index : bricks_of_cell[cell]) {
-      if (!seen_bricks.add(index)) continue;
-      SampleJob job{index, {}};
-      const WorkBrick& brick = bricks[index];
-      brick.sampled.for_each([&](int i) {
-        const auto n = static_cast<std::size_t>(i);
-        if (changed_cells.contains(brick.cell[n]) || filled_anew(brick, n)) job.samples.set(i);
-      });
-      if (job.samples.any()) jobs.push_back(job);
-    }
+    for (const std::uint32_t index : bricks_of_cell[cell]) look_at(index);
     bricks_of_cell[cell].clear();
   }
-  for (const BrickCoord& coord : background.bricks()) {
-    const std::uint32_t index = bricks.find(coord);
-    if (index == kNoBrick || bricks[index].smooth.unmeasured.empty() || !seen_bricks.add(index)) continue;
-    SampleJob job{index, {}};
-    bricks[index].sampled.for_each([&](int i) {
-      if (filled_anew(bricks[index], static_cast<std::size_t>(i))) job.samples.set(i);
-    });
-    if (job.samples.any()) jobs.push_back(job);
-  }
+  for (const BrickCoord& coord : background.bricks())
+    if (const std::uint32_t index = bricks.find(coord); index != kNoBrick) look_at(index);
   return jobs;
 }
 
@@ -245,13 +250,7 @@ void SampleOctree::State::drop_unneeded(OctantGrowth& growth, TouchedSamples& to
     WorkBrick& brick = bricks[index];
     const SampleMask unneeded = brick.sampled - growth.needed(brick);
     if (unneeded.any()) touched.add(index, unneeded);
-    unneeded.for_each([&](int i) {
-      brick.sampled.reset(i);
-      brick.pinned.reset(i);
-      if (!brick.smooth.unmeasured.empty()) brick.smooth.unmeasured[static_cast<std::size_t>(i)] = 0.0f;
-      brick.label[static_cast<std::size_t>(i)] = kNotSampled;
-      brick.cell[static_cast<std::size_t>(i)] = kNoCell;
-    });
+    brick.forget(unneeded);
     samples -= static_cast<std::size_t>(unneeded.count());
   }
 }
@@ -269,7 +268,8 @@ std::vector<BrickCoord> SampleOctree::State::smooth(const TouchedSamples& touche
   const auto& items = reached.items();
   std::vector<SampleMask> changed(items.size());
   parallel_for(items.size(), 8, threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t n = first; n < last; ++n) changed[n] = smooth_brick(bricks, bricks[items[n]]);
+    const auto smoother = smoothers.take();
+    for (std::size_t n = first; n < last; ++n) changed[n] = smoother->smooth(bricks, bricks[items[n]]);
   });
   smoothed = items.size();
   std::vector<BrickCoord> result;
@@ -288,34 +288,36 @@ std::vector<BrickCoord> SampleOctree::State::smooth(const TouchedSamples& touche
 }
 
 Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, FieldEvaluator& evaluator,
-                                                  const Background* background, int threads) {
+                                                  const UnmeasuredFill& fill, int threads) {
   State& s = *state_;
   const auto start = Clock::now();
   s.bricks_of_cell.resize(cells.cell_bound());
-  Sampler sampler(cells, evaluator, background, s.origin_mm, s.spacing_mm, threads);
+  Sampler sampler(cells, evaluator, fill, s.origin_mm, s.spacing_mm, threads);
   OctantGrowth growth(s.bricks);
   TouchedSamples touched;
   std::vector<SampleJob> jobs = s.stale_jobs();
   s.seed_background(growth);
-  for (const State::Contour& contour : s.new_contours) s.trace(contour, growth);
-  for (const Octant& octant : s.unseeded) growth.unseed(octant);
+  std::uint32_t near = kNoBrick;
+  for (const State::Contour& contour : s.new_contours) s.trace(contour, growth, near);
+  for (const std::uint32_t index : s.unseeded.items()) growth.unseed(index);
   s.sort_contours();
   for (s.add_missing(growth, jobs, threads); !jobs.empty(); s.add_missing(growth, jobs, threads)) {
     for (const SampleJob& job : jobs)
       s.samples += static_cast<std::size_t>((job.samples - s.bricks[job.brick].sampled).count());
-    const auto found = sampler.take(s.bricks, jobs);
-    if (!found) return tl::unexpected<Error>(found.error());
+    if (auto taken = sampler.take(s.bricks, jobs); !taken) return tl::unexpected<Error>(taken.error());
     std::vector<std::uint32_t> resampled;
-    for (std::size_t j = 0; j < jobs.size(); ++j) {
-      for (const std::uint32_t cell : (*found)[j]) s.bricks_of_cell[cell].push_back(jobs[j].brick);
-      resampled.push_back(jobs[j].brick);
-      touched.add(jobs[j].brick, jobs[j].samples);
+    for (const SampleJob& job : jobs) {
+      for (const SamplesInCell& in : s.bricks[job.brick].in_cells)
+        if (!(in.samples - job.samples).any()) s.bricks_of_cell[in.cell].push_back(job.brick);
+      resampled.push_back(job.brick);
+      touched.add(job.brick, job.samples);
     }
     jobs.clear();
     growth.follow(resampled, threads);
   }
   growth.prune();
   s.drop_unneeded(growth, touched);
+  for (const std::uint32_t index : touched.bricks()) s.bricks[index].shares.drop_empty_rows();
   s.changed_cells.clear();
   s.new_contours.clear();
   s.unseeded.clear();

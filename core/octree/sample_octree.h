@@ -10,6 +10,7 @@
 #include "core/cells/cell_complex.h"
 #include "core/field/field_evaluator.h"
 #include "core/octree/brick.h"
+#include "core/octree/unmeasured_fill.h"
 #include "core/slice/result.h"
 
 namespace sonoloft {
@@ -46,12 +47,13 @@ class SampleOctree final : public SampleLattice {
   void note(const CellComplex& cells, const CellComplex::Withdrawal& withdrawal);
   /// The same for every Background::update().
   void note(const Background& background, std::span<const BackgroundChange> changes);
+  /// Cells in which what fills the unmeasured share is no longer what it was.
+  void note(std::span<const CellId> filled_anew);
 
   /// Samples what was noted since the last update() made necessary.
-  /// @param background  what fills the share of a sample that was not measured; null: outside does
   /// @error what the evaluator returned; the samples are then unusable
   /// @cost  O(samples in changed cells and in octants switched on or off)
-  [[nodiscard]] Result<Change> update(const CellComplex& cells, FieldEvaluator& evaluator, const Background* background,
+  [[nodiscard]] Result<Change> update(const CellComplex& cells, FieldEvaluator& evaluator, const UnmeasuredFill& fill,
                                       int threads);
 
   [[nodiscard]] const Brick* find(BrickCoord coord) const override;

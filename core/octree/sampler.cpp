@@ -1,6 +1,7 @@
 #include "core/octree/sampler.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -9,73 +10,68 @@
 namespace sonoloft {
 namespace {
 
-constexpr std::uint32_t kNoBlock = 0xFFFFFFFF;
+constexpr std::uint32_t kNoBlock = 0xFFFFFFFF, kNotPacked = 0xFFFFFFFF;
 constexpr std::uint32_t kBoxWalls = 6;
 
 }  // namespace
 
-Sampler::Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const Background* background,
+Sampler::Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const UnmeasuredFill& fill,
                  const Eigen::Vector3d& origin_mm, double spacing_mm, int threads)
     : cells_(cells),
       evaluator_(evaluator),
-      background_(background),
+      fill_(fill),
       origin_mm_(origin_mm),
       spacing_mm_(spacing_mm),
       threads_(threads),
-      packed_of_cell_(cells.cell_bound(), kNoCell) {}
+      packed_of_cell_(cells.cell_bound(), kNotPacked) {}
 
-Result<std::vector<std::vector<std::uint32_t>>> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs) {
-  located_.resize(jobs.size());
+Result<void> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs) {
+  if (located_.size() < jobs.size()) located_.resize(jobs.size());
   parallel_for(jobs.size(), 16, threads_, [&](std::size_t first, std::size_t last) {
-    for (std::size_t j = first; j < last; ++j) locate(bricks[jobs[j].brick], jobs[j].samples, located_[j]);
+    const auto scratch = scratches_.take();
+    for (std::size_t j = first; j < last; ++j) locate(jobs[j], bricks[jobs[j].brick].coord, *scratch, located_[j]);
   });
 
   const auto start = std::chrono::steady_clock::now();
-  std::vector<std::vector<std::uint32_t>> found(jobs.size());
   std::vector<std::size_t> first_group(1, 0);
   groups_.clear();
   for (std::uint32_t j = 0; j < jobs.size(); ++j) {
     for (const CellPoints& points : located_[j].cells) {
       const auto cell = static_cast<std::uint32_t>(points.cell);
-      found[j].push_back(cell);
-      if (packed_of_cell_[cell] == kNoCell) pack(cell);
+      if (packed_of_cell_[cell] == kNotPacked) pack(cell);
       groups_.push_back({j, packed_of_cell_[cell], points.first, points.count, kNoBlock, 0});
     }
     first_group.push_back(groups_.size());
     evaluated_ += located_[j].index.size();
   }
-  if (auto done = evaluate(); !done) return tl::unexpected<Error>(done.error());
+  if (auto done = evaluate(bricks, jobs); !done) return done;
   field_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 
   parallel_for(jobs.size(), 16, threads_, [&](std::size_t first, std::size_t last) {
-    PointShares scratch;
-    for (std::size_t j = first; j < last; ++j)
-      for (std::size_t g = first_group[j]; g < first_group[j + 1]; ++g)
-        store(bricks[jobs[j].brick], groups_[g], located_[j], scratch);
+    const auto scratch = scratches_.take();
+    for (std::size_t j = first; j < last; ++j) {
+      WorkBrick& brick = bricks[jobs[j].brick];
+      brick.forget(jobs[j].samples & brick.sampled);
+      for (std::size_t g = first_group[j]; g < first_group[j + 1]; ++g) store(brick, groups_[g], *scratch);
+    }
   });
-  return found;
+  return {};
 }
 
-void Sampler::locate(const WorkBrick& brick, const SampleMask& samples, Located& out) const {
-  const Eigen::Vector3d base = Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z).cast<double>() * kBrickSize;
-  std::vector<std::uint16_t> index;
-  std::vector<Eigen::Vector3d> points;
-  index.reserve(kBrickSamples);
-  points.reserve(kBrickSamples);
-  samples.for_each([&](int i) {
-    index.push_back(static_cast<std::uint16_t>(i));
-    points.push_back(origin_mm_ + spacing_mm_ * (base + Eigen::Vector3d(i & 7, (i >> 3) & 7, i >> 6)));
-  });
-  const Eigen::AlignedBox3d bounds(origin_mm_ + spacing_mm_ * base,
-                                   origin_mm_ + spacing_mm_ * (base + Eigen::Vector3d::Constant(kBrickSize - 1)));
-  std::vector<std::uint32_t> order;
-  cells_.locate(bounds, points, order, out.cells);
-  out.index.resize(order.size());
-  out.point_mm.resize(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    out.index[i] = index[order[i]];
-    out.point_mm[i] = points[order[i]];
-  }
+void Sampler::positions_mm(BrickCoord brick, std::span<const std::uint16_t> samples,
+                           std::vector<Eigen::Vector3d>& out) const {
+  out.clear();
+  for (const std::uint16_t i : samples) out.push_back(position_mm(brick, i));
+}
+
+void Sampler::locate(const SampleJob& job, BrickCoord brick, Scratch& scratch, Located& out) const {
+  scratch.index.clear();
+  job.samples.for_each([&](int i) { scratch.index.push_back(static_cast<std::uint16_t>(i)); });
+  positions_mm(brick, scratch.index, scratch.points_mm);
+  const Eigen::AlignedBox3d bounds(position_mm(brick, 0), position_mm(brick, kBrickSamples - 1));
+  cells_.locate(bounds, scratch.points_mm, scratch.order, out.cells);
+  out.index.resize(scratch.order.size());
+  for (std::size_t i = 0; i < out.index.size(); ++i) out.index[i] = scratch.index[scratch.order[i]];
 }
 
 void Sampler::pack(std::uint32_t cell) {
@@ -91,8 +87,9 @@ void Sampler::pack(std::uint32_t cell) {
   pins_of_packed_.push_back({first, static_cast<std::uint32_t>(pins_.size()) - first});
 }
 
-/// One block a cell, so that a cell's edges are read once for the points of all bricks.
-Result<void> Sampler::evaluate() {
+/// One block a cell, so that a cell's edges are read once for the points of all
+/// bricks.
+Result<void> Sampler::evaluate(const BrickPool& bricks, const std::vector<SampleJob>& jobs) {
   std::vector<std::uint32_t> count(batch_.cells.size(), 0), block(batch_.cells.size(), kNoBlock);  // by packed cell
   for (Group& group : groups_) {
     group.lane = count[group.packed];
@@ -106,51 +103,47 @@ Result<void> Sampler::evaluate() {
   }
   if (batch_.blocks.empty()) return {};
   parallel_for(groups_.size(), 64, threads_, [&](std::size_t first, std::size_t last) {
+    const auto scratch = scratches_.take();
     for (std::size_t g = first; g < last; ++g) {
       Group& group = groups_[g];
       group.block = block[group.packed];
-      if (group.block != kNoBlock)
-        batch_.set_points(group.block, group.lane, {&located_[group.job].point_mm[group.first], group.count});
+      if (group.block == kNoBlock) continue;
+      positions_mm(bricks[jobs[group.job].brick].coord, samples_of(group), scratch->points_mm);
+      batch_.set_points(group.block, group.lane, scratch->points_mm);
     }
   });
   return evaluator_.evaluate(batch_);
 }
 
 /// Marks the samples within one spacing of a slice that bounds their cell.
-void Sampler::pin(WorkBrick& brick, const Group& group, std::span<const std::uint16_t> index,
-                  std::span<const Eigen::Vector3d> points) const {
-  Eigen::AlignedBox3d bounds;
-  for (const Eigen::Vector3d& p : points) bounds.extend(p);
-  for (const std::uint16_t i : index) brick.pinned.reset(i);
+void Sampler::pin(WorkBrick& brick, const Group& group) const {
+  const Eigen::Vector3d lowest = position_mm(brick.coord, 0);
+  const Eigen::Vector3d centre = lowest + Eigen::Vector3d::Constant(0.5 * spacing_mm_ * (kBrickSize - 1));
   const PinRange range = pins_of_packed_[group.packed];
   for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
     const PinPlane& plane = pins_[i];
-    const double reach = 0.5 * plane.normal.cwiseAbs().dot(bounds.sizes());
-    if (std::abs(plane.normal.dot(bounds.center()) + plane.offset_mm) > reach + 1.001 * spacing_mm_) continue;
-    for (std::size_t k = 0; k < index.size(); ++k)
-      if (std::abs(plane.normal.dot(points[k]) + plane.offset_mm) < spacing_mm_) brick.pinned.set(index[k]);
+    const double reach = 0.5 * spacing_mm_ * (kBrickSize - 1) * plane.normal.lpNorm<1>();
+    if (std::abs(plane.normal.dot(centre) + plane.offset_mm) > reach + 1.001 * spacing_mm_) continue;
+    const double at_lowest = plane.normal.dot(lowest) + plane.offset_mm;
+    const Eigen::Vector3d step = spacing_mm_ * plane.normal;
+    for (const std::uint16_t k : samples_of(group))
+      if (std::abs(at_lowest + step.dot(Eigen::Vector3d(k & 7, k >> 3 & 7, k >> 6))) < spacing_mm_) brick.pinned.set(k);
   }
 }
 
-void Sampler::store(WorkBrick& brick, const Group& group, const Located& located, PointShares& scratch) const {
-  const std::span<const std::uint16_t> index(located.index.data() + group.first, group.count);
-  const std::span<const Eigen::Vector3d> points(located.point_mm.data() + group.first, group.count);
+void Sampler::store(WorkBrick& brick, const Group& group, Scratch& scratch) const {
+  const std::span<const std::uint16_t> index = samples_of(group);
   const std::span<const Label> labels = batch_.cells.labels(group.packed);
-  const std::uint32_t cell = cell_of_packed_[group.packed];
-  for (std::size_t row = 0; row < brick.shares.palette.size(); ++row)
-    for (const std::uint16_t i : index) brick.shares.share[row * kBrickSamples + i] = 0.0f;
   const bool partly_unknown = labels.back() == kUnknown;
   if (partly_unknown) brick.smooth.unmeasured.resize(kBrickSamples, 0.0f);
-  for (const std::uint16_t i : index)
-    if (!brick.smooth.unmeasured.empty()) brick.smooth.unmeasured[i] = 0.0f;
   for (std::uint32_t slot = 0; slot < labels.size(); ++slot) {
     float* row = labels[slot] == kUnknown ? brick.smooth.unmeasured.data() : brick.shares.row(labels[slot]);
     for (std::size_t k = 0; k < index.size(); ++k)
       row[index[k]] = group.block == kNoBlock ? 1.0f : batch_.row(group.block, slot)[group.lane + k];
   }
-  if (partly_unknown) fill_unmeasured(brick, index, points, scratch);
+  if (partly_unknown) fill_unmeasured(brick, group, scratch);
   std::array<float, kBrickSamples> best;
-  best.fill(-1.0f);
+  std::fill_n(best.begin(), index.size(), -1.0f);
   for (std::size_t row = 0; row < brick.shares.palette.size(); ++row) {
     const float* share = brick.shares.share.data() + row * kBrickSamples;
     for (std::size_t k = 0; k < index.size(); ++k) {
@@ -159,25 +152,26 @@ void Sampler::store(WorkBrick& brick, const Group& group, const Located& located
       brick.label[index[k]] = brick.shares.palette[row];
     }
   }
-  for (std::size_t k = 0; k < index.size(); ++k) {
-    brick.cell[index[k]] = cell;
-    brick.sampled.set(index[k]);
-  }
-  pin(brick, group, index, points);
+  SampleMask samples;
+  for (const std::uint16_t i : index) samples.set(i);
+  brick.add(cell_of_packed_[group.packed], samples);
+  pin(brick, group);
 }
 
-/// f = known shares + unmeasured share * background (docs/pipeline/9-background.md).
-void Sampler::fill_unmeasured(WorkBrick& brick, std::span<const std::uint16_t> index,
-                              std::span<const Eigen::Vector3d> points, PointShares& scratch) const {
-  if (background_ == nullptr) {
-    scratch.labels.assign(1, kOutside);
-    scratch.share.assign(points.size(), 1.0f);
+/// f = known shares + unmeasured share * what fills it (docs/pipeline/9-background.md).
+void Sampler::fill_unmeasured(WorkBrick& brick, const Group& group, Scratch& scratch) const {
+  const std::span<const std::uint16_t> index = samples_of(group);
+  PointShares& filling = scratch.filling;
+  if (fill_) {
+    positions_mm(brick.coord, index, scratch.points_mm);
+    fill_(CellId{cell_of_packed_[group.packed]}, scratch.points_mm, filling);
   } else {
-    background_->shares(points, scratch);
+    filling.labels.assign(1, kOutside);
+    filling.share.assign(index.size(), 1.0f);
   }
-  for (std::size_t l = 0; l < scratch.labels.size(); ++l) {
-    const float* share = scratch.share.data() + l * points.size();
-    float* row = brick.shares.row(scratch.labels[l]);
+  for (std::size_t l = 0; l < filling.labels.size(); ++l) {
+    const float* share = filling.share.data() + l * index.size();
+    float* row = brick.shares.row(filling.labels[l]);
     for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += brick.smooth.unmeasured[index[k]] * share[k];
   }
 }

@@ -3,10 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/background/background.h"
 #include "core/cells/cell_complex.h"
 #include "core/field/field_evaluator.h"
 #include "core/octree/brick_pool.h"
+#include "core/octree/unmeasured_fill.h"
+#include "core/slice/scratch_pool.h"
 
 namespace sonoloft {
 
@@ -16,18 +17,18 @@ struct SampleJob {
   SampleMask samples;
 };
 
-/// Takes samples from the field, in rounds of many bricks; cells packed in one round serve the later ones. Lives for
-/// one update: the cells do not change meanwhile.
+/// Takes samples from the field, in rounds of many bricks; cells packed in one
+/// round serve the later ones. Lives for one update: the cells do not change
+/// meanwhile.
 class Sampler {
  public:
-  /// @param background  what fills the share of a sample that was not measured; null: outside does
-  Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const Background* background,
+  /// @param fill  lives as long as the sampler
+  Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const UnmeasuredFill& fill,
           const Eigen::Vector3d& origin_mm, double spacing_mm, int threads);
 
-  /// Locates the samples of each job, evaluates them and writes cell, label, shares and pins into the bricks.
-  /// @return [#jobs] the cells that each brick's samples were found in, without repeats
-  [[nodiscard]] Result<std::vector<std::vector<std::uint32_t>>> take(BrickPool& bricks,
-                                                                     const std::vector<SampleJob>& jobs);
+  /// Locates the samples of each job, evaluates them and writes cells, labels,
+  /// shares and pins into the bricks.
+  [[nodiscard]] Result<void> take(BrickPool& bricks, const std::vector<SampleJob>& jobs);
 
   [[nodiscard]] std::size_t evaluated() const { return evaluated_; }
   /// Edges that were summed for the samples taken.
@@ -35,19 +36,21 @@ class Sampler {
   [[nodiscard]] double field_ms() const { return field_ms_; }
 
  private:
-  /// The samples of one job that lie in one cell, and where their shares are found.
+  /// The samples of one job that lie in one cell, and where their shares are
+  /// found.
   struct Group {
     std::uint32_t job, packed;
     std::uint32_t first, count;  ///< in Located::index
-    std::uint32_t block, lane;   ///< of the batch; block kNoBlock: the cell is constant
+    std::uint32_t block,
+        lane;  ///< of the batch; block kNoBlock: the cell is constant
   };
   /// The samples of one job, those of one cell together.
   struct Located {
     std::vector<std::uint16_t> index;  ///< of the sample in its brick
-    std::vector<Eigen::Vector3d> point_mm;
     std::vector<CellPoints> cells;
   };
-  /// A slice beside which samples are pinned: normal . x + offset = signed distance, mm.
+  /// A slice beside which samples are pinned: normal . x + offset = signed
+  /// distance, mm.
   struct PinPlane {
     Eigen::Vector3d normal;
     double offset_mm;
@@ -55,28 +58,45 @@ class Sampler {
   struct PinRange {
     std::uint32_t first, count;
   };
-  void locate(const WorkBrick& brick, const SampleMask& samples, Located& out) const;
+  /// Room to work in for the samples of one brick, used again for brick after
+  /// brick.
+  struct Scratch {
+    std::vector<std::uint16_t> index;
+    std::vector<Eigen::Vector3d> points_mm;
+    std::vector<std::uint32_t> order;
+    PointShares filling;
+  };
+  /// The samples of a group.
+  [[nodiscard]] std::span<const std::uint16_t> samples_of(const Group& group) const {
+    return {located_[group.job].index.data() + group.first, group.count};
+  }
+  [[nodiscard]] Eigen::Vector3d position_mm(BrickCoord brick, int sample) const {
+    return origin_mm_ + spacing_mm_ * Eigen::Vector3d(kBrickSize * brick.x + (sample & 7),
+                                                      kBrickSize * brick.y + (sample >> 3 & 7),
+                                                      kBrickSize * brick.z + (sample >> 6));
+  }
+  void positions_mm(BrickCoord brick, std::span<const std::uint16_t> samples, std::vector<Eigen::Vector3d>& out) const;
+  void locate(const SampleJob& job, BrickCoord brick, Scratch& scratch, Located& out) const;
   void pack(std::uint32_t cell);
-  [[nodiscard]] Result<void> evaluate();
-  void store(WorkBrick& brick, const Group& group, const Located& located, PointShares& scratch) const;
-  void fill_unmeasured(WorkBrick& brick, std::span<const std::uint16_t> index,
-                       std::span<const Eigen::Vector3d> points_mm, PointShares& scratch) const;
-  void pin(WorkBrick& brick, const Group& group, std::span<const std::uint16_t> index,
-           std::span<const Eigen::Vector3d> points_mm) const;
+  [[nodiscard]] Result<void> evaluate(const BrickPool& bricks, const std::vector<SampleJob>& jobs);
+  void store(WorkBrick& brick, const Group& group, Scratch& scratch) const;
+  void fill_unmeasured(WorkBrick& brick, const Group& group, Scratch& scratch) const;
+  void pin(WorkBrick& brick, const Group& group) const;
 
   const CellComplex& cells_;
   FieldEvaluator& evaluator_;
-  const Background* background_;
+  const UnmeasuredFill& fill_;
   Eigen::Vector3d origin_mm_;
   double spacing_mm_;
   int threads_;
   FieldBatch batch_;
-  std::vector<std::uint32_t> packed_of_cell_;  ///< [cell] index in batch_.cells, kNoCell
+  ScratchPool<Scratch> scratches_;
+  std::vector<std::uint32_t> packed_of_cell_;  ///< [cell] index in batch_.cells, kNotPacked
   std::vector<std::uint32_t> cell_of_packed_;
   std::vector<PinRange> pins_of_packed_;
   std::vector<PinPlane> pins_;
   std::vector<CellFace> faces_;
-  std::vector<Located> located_;  ///< [#jobs]
+  std::vector<Located> located_;  ///< [>= #jobs]
   std::vector<Group> groups_;     ///< by job
   std::size_t evaluated_ = 0, edge_evaluations_ = 0;
   double field_ms_ = 0;

@@ -1,194 +1,211 @@
 #include "core/octree/smoothing.h"
 
 #include <algorithm>
-#include <array>
-#include <limits>
-#include <optional>
+#include <cstring>
+#include <utility>
 
 namespace sonoloft {
 namespace {
 
-constexpr int kReach = 2;
-constexpr int kSide = kBrickSize + 2 * kReach;
-constexpr int kBlock = kSide * kSide * kSide;
-constexpr int kStep[3] = {1, kSide, kSide* kSide};
-constexpr float kStrength = 0.25f;
+/// 1/4 of the Laplacian of the Laplacian, each of them a third of what second_differences() gives.
+constexpr float kStrength = 0.25F / 9;
 
-/// A value for each sample of the brick and of the two layers around it.
-using Block = std::array<float, kBlock>;
+/// 1 for each of eight bits that is set.
+constexpr auto kOnes = [] {
+  std::array<std::array<float, 8>, 256> ones{};
+  for (unsigned bits = 0; bits < 256; ++bits)
+    for (unsigned i = 0; i < 8; ++i) ones[bits][i] = (bits >> i & 1) != 0 ? 1.0F : 0.0F;
+  return ones;
+}();
 
-constexpr std::size_t block_index(int x, int y, int z) {
-  return static_cast<std::size_t>((x + kReach) + kSide * ((y + kReach) + kSide * (z + kReach)));
-}
-
-/// The brick and the 26 around it.
-class Neighbourhood {
- public:
-  Neighbourhood(const BrickPool& bricks, const WorkBrick& middle) {
-    for (std::size_t i = 0; i < 27; ++i)
-      around_[i] = middle.around[i] == kNoBrick ? nullptr : &bricks[middle.around[i]];
-  }
-
-  [[nodiscard]] std::vector<Label> labels() const {
-    std::vector<Label> all;
-    for (const WorkBrick* brick : around_)
-      if (brick != nullptr) all.insert(all.end(), brick->shares.palette.begin(), brick->shares.palette.end());
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    return all;
-  }
-
-  /// 1 where a sample was taken, else 0.
-  void gather_sampled(Block& out) const {
-    for_rows([&](std::size_t brick, int first, int count, int y, int z, std::size_t to) {
-      for (int x = first; x < first + count; ++x, ++to)
-        out[to] = around_[brick] != nullptr && around_[brick]->sampled.test(sample_index(x, y, z)) ? 1.0f : 0.0f;
-    });
-  }
-
-  void gather_share(Label label, Block& out) const {
-    std::array<const float*, 27> rows;
-    for (std::size_t i = 0; i < 27; ++i) rows[i] = around_[i] == nullptr ? nullptr : around_[i]->shares.find(label);
-    for_rows([&](std::size_t brick, int first, int count, int y, int z, std::size_t to) {
-      if (rows[brick] == nullptr)
-        std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(to), count, 0.0f);
-      else
-        std::copy_n(rows[brick] + sample_index(first, y, z), count, out.begin() + static_cast<std::ptrdiff_t>(to));
-    });
-  }
-
- private:
-  /// Calls visit(brick of around_, first x, count, y, z in it, index in the block) for each piece of each row.
-  template <class Visit>
-  static void for_rows(Visit visit) {
-    for (int z = -kReach; z < kBrickSize + kReach; ++z)
-      for (int y = -kReach; y < kBrickSize + kReach; ++y) {
-        const auto brick = static_cast<std::size_t>(3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1));
-        visit(brick, kBrickSize - kReach, kReach, y & 7, z & 7, block_index(-kReach, y, z));
-        visit(brick + 1, 0, kBrickSize, y & 7, z & 7, block_index(0, y, z));
-        visit(brick + 2, 0, kReach, y & 7, z & 7, block_index(kBrickSize, y, z));
-      }
-  }
-
-  std::array<const WorkBrick*, 27> around_;
-};
-
-/// 1 for the samples, one step outside of the brick at most, whose eight finest cells are sampled. Only these may
-/// change: an edge that a change makes mixed then has its four cells.
-Block find_inner(const Block& sampled) {
-  Block inner = sampled;
-  for (const int step : kStep) {
-    const Block before = inner;
-    const auto s = static_cast<std::size_t>(step);
-    for (std::size_t at = s; at < kBlock - s; ++at) inner[at] = before[at] * before[at - s] * before[at + s];
-  }
-  return inner;
-}
-
-float laplacian(const Block& f, std::size_t at) {
-  const float sum =
-      f[at - kStep[0]] + f[at + kStep[0]] + f[at - kStep[1]] + f[at + kStep[1]] + f[at - kStep[2]] + f[at + kStep[2]];
-  return sum * (1.0f / 6.0f) - f[at];
-}
-
-/// Moves the shares of one brick.
-class Mover {
- public:
-  Mover(const BrickPool& bricks, const WorkBrick& brick) : around_(bricks, brick), labels_(around_.labels()) {
-    Block sampled;
-    around_.gather_sampled(sampled);
-    inner_ = find_inner(sampled);
-    for (int i = 0; i < kBrickSamples; ++i)
-      strength_[static_cast<std::size_t>(i)] =
-          brick.pinned.test(i) ? 0.0F : kStrength * inner_[block_index(i & 7, (i >> 3) & 7, i >> 6)];
-  }
-
-  [[nodiscard]] const std::vector<Label>& labels() const { return labels_; }
-
-  /// Moves the shares of a label and subtracts the change from `left`.
-  void move(Label label, float* share, std::array<float, kBrickSamples>& left) {
-    Block f, lf;
-    around_.gather_share(label, f);
-    for (std::size_t at = kStep[2]; at < kBlock - kStep[2]; ++at)  // nothing is used of the outermost layer
-      lf[at] = inner_[at] * laplacian(f, at);
-    for (std::size_t i = 0; i < kBrickSamples; i += kBrickSize) {
-      const std::size_t block = block_index(0, static_cast<int>(i >> 3 & 7), static_cast<int>(i >> 6));
-      for (std::size_t x = 0; x < kBrickSize; ++x) {
-        const float change = strength_[i + x] * laplacian(lf, block + x);
-        share[i + x] -= change;
-        left[i + x] -= change;
-      }
-    }
-  }
-
- private:
-  Neighbourhood around_;
-  std::vector<Label> labels_;
-  Block inner_;
-  std::array<float, kBrickSamples> strength_;  ///< of smoothing, sample by sample
-};
-
-/// Clears what was not sampled and names the label with the largest share, the lowest of equals.
-void finish(const SampleMask& sampled, Brick& brick) {
-  std::array<float, kBrickSamples> best, taken;
-  for (int i = 0; i < kBrickSamples; ++i) {
-    const bool is_sampled = sampled.test(i);
-    taken[static_cast<std::size_t>(i)] = is_sampled ? 1.0F : 0.0F;
-    best[static_cast<std::size_t>(i)] = is_sampled ? -2.0F : std::numeric_limits<float>::infinity();
-  }
+/// Names the label with the largest share, the lowest of equals.
+void name_labels(const SampleMask& sampled, Brick& brick) {
   brick.label.fill(kNotSampled);
-  for (std::size_t row = 0; row < brick.palette.size(); ++row) {
-    float* share = brick.share.data() + row * kBrickSamples;
-    for (std::size_t i = 0; i < kBrickSamples; ++i) {
-      share[i] *= taken[i];
-      if (share[i] > best[i]) {
-        best[i] = share[i];
-        brick.label[i] = brick.palette[row];
+  for (int row = 0; row < kBrickSamples; row += kBrickSize) {
+    const unsigned bits = sampled.row(row >> 3 & 7, row >> 6);
+    if (bits == 0) continue;
+    std::array<float, kBrickSize> best;
+    best.fill(-2.0F);
+    Label* label = brick.label.data() + row;
+    for (std::size_t r = 0; r < brick.palette.size(); ++r) {
+      const float* share = brick.share.data() + r * kBrickSamples + row;
+      for (std::size_t x = 0; x < kBrickSize; ++x) {
+        label[x] = share[x] > best[x] ? brick.palette[r] : label[x];
+        best[x] = share[x] > best[x] ? share[x] : best[x];
       }
     }
+    for (std::size_t x = 0; x < kBrickSize; ++x)
+      if ((bits >> x & 1) == 0) label[x] = kNotSampled;
   }
 }
 
 /// The samples in which two bricks differ; all of them where the labels that occur do.
 SampleMask difference(const Brick& a, const Brick& b) {
   SampleMask mask;
-  std::array<std::uint32_t, kBrickSamples> differs{};
   const bool same_palette = a.palette == b.palette;
-  for (std::size_t i = 0; i < kBrickSamples; ++i) differs[i] = !same_palette || a.label[i] != b.label[i];
-  for (std::size_t row = 0; same_palette && row < a.palette.size(); ++row)
-    for (std::size_t i = 0; i < kBrickSamples; ++i)
-      differs[i] |= a.share[row * kBrickSamples + i] != b.share[row * kBrickSamples + i];
-  for (std::size_t i = 0; i < kBrickSamples; ++i)
-    if (differs[i] != 0) mask.set(static_cast<int>(i));
+  for (std::size_t row = 0; row < kBrickSamples; row += kBrickSize) {
+    unsigned differs = same_palette ? 0 : 0xFF;
+    const auto compare = [&](const auto* left, const auto* right) {
+      if (std::memcmp(left, right, kBrickSize * sizeof *left) == 0) return;
+      for (unsigned x = 0; x < kBrickSize; ++x) differs |= (left[x] != right[x] ? 1u : 0u) << x;
+    };
+    compare(a.label.data() + row, b.label.data() + row);
+    for (std::size_t r = 0; same_palette && r < a.palette.size(); ++r)
+      compare(a.share.data() + r * kBrickSamples + row, b.share.data() + r * kBrickSamples + row);
+    mask.layer[row >> 6] |= std::uint64_t{differs} << (row & 63);
+  }
   return mask;
 }
 
 }  // namespace
 
-SampleMask smooth_brick(const BrickPool& bricks, WorkBrick& brick) {
-  Brick result;
-  result.coord = brick.coord;
-  result.palette = brick.shares.palette;
-  std::optional<Mover> mover;
-  if ((brick.sampled - brick.pinned).any()) {
-    mover.emplace(bricks, brick);
-    result.palette = mover->labels();
+/// The row of samples at (y, z) of the brick, each -kReach .. kBrickSize + kReach - 1.
+std::size_t Smoother::row_index(int y, int z) {
+  return static_cast<std::size_t>((y + kReach) + kSide * (z + kReach));
+}
+
+/// Calls visit(y, z, index of the row, index in Around of the brick at x = -1 there) for the rows of the brick and of
+/// `margin` layers around it.
+template <class Visit>
+void Smoother::for_rows(int margin, Visit visit) {
+  for (int z = -margin; z < kBrickSize + margin; ++z)
+    for (int y = -margin; y < kBrickSize + margin; ++y) visit(y, z, row_index(y, z), beside(-1, y >> 3, z >> 3));
+}
+
+void Smoother::gather_sampled() {
+  for_rows(kReach, [&](int y, int z, std::size_t row, std::size_t left) {
+    const auto bits = [&](std::size_t brick) {
+      return around_[brick] == nullptr ? 0u : around_[brick]->sampled.row(y & 7, z & 7);
+    };
+    constexpr unsigned kLowest = (1u << kReach) - 1;
+    sampled_[row] = bits(left) >> (kBrickSize - kReach) | bits(left + 1) << kReach |
+                    (bits(left + 2) & kLowest) << (kBrickSize + kReach);
+  });
+}
+
+void Smoother::gather_share(Label label) {
+  static constexpr std::array<float, kBrickSamples> kNone{};
+  std::array<const float*, 27> shares;
+  for (std::size_t i = 0; i < 27; ++i) {
+    shares[i] = around_[i] == nullptr ? nullptr : around_[i]->shares.find(label);
+    if (shares[i] == nullptr) shares[i] = kNone.data();
   }
-  result.share.assign(result.palette.size() * kBrickSamples, 0.0F);
-  std::array<float, kBrickSamples> left{};  // of the changes of all labels but the first
-  for (std::size_t row = result.palette.size(); row-- > 0;) {
-    float* out = result.share.data() + row * kBrickSamples;
-    if (const float* share = brick.shares.find(result.palette[row])) std::copy_n(share, kBrickSamples, out);
-    if (row == 0)
-      for (std::size_t i = 0; i < kBrickSamples; ++i) out[i] -= left[i];
-    else if (mover)
-      mover->move(result.palette[row], out, left);
+  for_rows(kReach, [&](int y, int z, std::size_t row, std::size_t left) {
+    const int first = sample_index(0, y & 7, z & 7);
+    float* to = share_.data() + kSide * row;
+    to = std::copy_n(shares[left] + first + kBrickSize - kReach, kReach, to);
+    to = std::copy_n(shares[left + 1] + first, kBrickSize, to);
+    std::copy_n(shares[left + 2] + first, kReach, to);
+  });
+}
+
+/// All labels with a share here, ascending.
+std::vector<Label> Smoother::labels_around() const {
+  std::vector<Label> all;
+  for (const WorkBrick* brick : around_) {
+    if (brick == nullptr) continue;
+    for (const Label label : brick->shares.palette)
+      if (const auto at = std::lower_bound(all.begin(), all.end(), label); at == all.end() || *at != label)
+        all.insert(at, label);
   }
-  finish(brick.sampled, result);
-  const SampleMask changed = difference(result, brick.smooth);
+  return all;
+}
+
+/// The samples of the brick whose eight finest cells are sampled. Only these may change their label: an edge that a
+/// change makes mixed then has its four cells.
+SampleMask Smoother::inner() const {
+  SampleMask inner;
+  for_rows(0, [&](int y, int z, std::size_t row, std::size_t) {
+    unsigned all = ~0u;
+    for (const std::size_t layer : {row - kSide, row, row + kSide})
+      all &= sampled_[layer - 1] & sampled_[layer] & sampled_[layer + 1];
+    all &= all << 1 & all >> 1;
+    inner.layer[static_cast<std::size_t>(z)] |= std::uint64_t{all >> kReach & 0xFF} << (8 * y);
+  });
+  return inner;
+}
+
+/// 1 for each bit of a row that is set.
+Smoother::Row Smoother::ones(unsigned bits) {
+  Row row;
+  const auto rest = std::copy_n(kOnes[bits & 0xFF].begin(), 8, row.begin());
+  std::copy_n(kOnes[bits >> 8].begin(), kSide - 8, rest);
+  return row;
+}
+
+/// Sums (mean of both neighbours) - (sample) over the axes in which both are sampled: three times the Laplacian where
+/// all are. Of one row, not one on the outside.
+Smoother::Row Smoother::second_differences(const Block& f, std::size_t row) const {
+  constexpr std::array<std::size_t, 3> kStep = {1, kSide, kSide * kSide};
+  Row sum{};
+  const unsigned here = sampled_[row];
+  if (here == 0) return sum;
+  const std::array<unsigned, 3> both = {here & here << 1 & here >> 1, here & sampled_[row - 1] & sampled_[row + 1],
+                                        here & sampled_[row - kSide] & sampled_[row + kSide]};
+  const float* at = f.data() + kSide * row;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float *before = at - kStep[axis], *after = at + kStep[axis];
+    const Row counts = ones(both[axis]);
+    for (std::size_t x = 0; x < kSide; ++x) sum[x] += counts[x] * (0.5F * (before[x] + after[x]) - at[x]);
+  }
+  return sum;
+}
+
+/// Moves the shares of a label that is not the first one, and the first one's the other way.
+void Smoother::move(Label label, const SampleMask& movable, float* share, float* first_share) {
+  gather_share(label);
+  for_rows(1, [&](int, int, std::size_t row, std::size_t) {
+    const Row second = second_differences(share_, row);
+    std::copy(second.begin(), second.end(), second_.begin() + static_cast<std::ptrdiff_t>(kSide * row));
+  });
+  for_rows(0, [&](int y, int z, std::size_t row, std::size_t) {
+    const unsigned bits = movable.row(y, z);
+    if (bits == 0) return;
+    const Row fourth = second_differences(second_, row);
+    const std::array<float, kBrickSize>& moves = kOnes[bits];
+    const auto first = static_cast<std::size_t>(sample_index(0, y, z));
+    for (std::size_t x = 0; x < kBrickSize; ++x) {
+      const float change = kStrength * moves[x] * fourth[x + kReach];
+      share[first + x] -= change;
+      first_share[first + x] += change;
+    }
+  });
+}
+
+/// Puts samples back whose label changed.
+void Smoother::keep_labels(const WorkBrick& brick, const SampleMask& samples) {
+  samples.for_each([&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (result_.label[at] == brick.label[at]) return;
+    result_.label[at] = brick.label[at];
+    for (std::size_t row = 0; row < result_.palette.size(); ++row) {
+      const float* share = brick.shares.find(result_.palette[row]);
+      result_.share[row * kBrickSamples + at] = share == nullptr ? 0.0F : share[at];
+    }
+  });
+}
+
+SampleMask Smoother::smooth(const BrickPool& bricks, WorkBrick& brick) {
+  const SampleMask movable = brick.sampled - brick.pinned;
+  result_.coord = brick.coord;
+  result_.palette = brick.shares.palette;
+  if (movable.any()) {
+    for (std::size_t i = 0; i < 27; ++i) around_[i] = brick.around[i] == kNoBrick ? nullptr : &bricks[brick.around[i]];
+    gather_sampled();
+    result_.palette = labels_around();
+  }
+  result_.share.assign(result_.palette.size() * kBrickSamples, 0.0F);
+  for (std::size_t row = 0; row < result_.palette.size(); ++row) {
+    float* out = result_.share.data() + row * kBrickSamples;
+    if (const float* share = brick.shares.find(result_.palette[row])) std::copy_n(share, kBrickSamples, out);
+    if (row > 0 && movable.any()) move(result_.palette[row], movable, out, result_.share.data());
+  }
+  name_labels(brick.sampled, result_);
+  if (movable.any()) keep_labels(brick, movable - inner());
+  const SampleMask changed = difference(result_, brick.smooth);
   if (!changed.any()) return changed;
-  result.unmeasured = std::move(brick.smooth.unmeasured);
-  brick.smooth = std::move(result);
+  std::swap(result_, brick.smooth);
+  std::swap(result_.unmeasured, brick.smooth.unmeasured);  // stays with the brick
   return changed;
 }
 

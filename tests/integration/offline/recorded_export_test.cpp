@@ -40,10 +40,12 @@ Cube cube_of(const Eigen::Vector3f& p, double edge_mm) {
   return {at(0), at(1), at(2)};
 }
 
-/// Vertices of `from` with no vertex of `to` within two spacings. The same pieces of surface, or this is not 0.
+/// Vertices of `from` with no vertex of `to` within three spacings. The same pieces of surface, or this is not 0: on
+/// the corner of a contour, a vertex may lie a finest cell's diagonal off the surface of the samples, and vertices of
+/// `to` are more than a spacing apart.
 std::size_t far_vertices(const IndexedMesh& from, const IndexedMesh& to, double spacing_mm) {
   std::map<Cube, std::vector<Eigen::Vector3f>> near;
-  const double reach_mm = 2 * spacing_mm;
+  const double reach_mm = 3 * spacing_mm;
   for (const Eigen::Vector3f& p : to.positions) near[cube_of(p, reach_mm)].push_back(p);
   const auto has_near = [&](const Eigen::Vector3f& p) {
     const Cube c = cube_of(p, reach_mm);

@@ -33,7 +33,7 @@ IndexedMesh reconstruct(const std::vector<TrackedSlice>& slices, const std::vect
 }
 
 const std::vector<Detail> kBatch = {}, kOnline = {Detail::full},
-                          kMixed = {Detail::coarse, Detail::coarse, Detail::full};
+                          kMixed = {Detail::coarse, Detail::draft, Detail::full};
 
 }  // namespace
 

@@ -117,30 +117,26 @@ TEST_CASE("coverage: the gap of a fan with a wedge left out lies in it, and its 
 TEST_CASE("confidence: a surface that slices ran through is measured and near, one that they did not see is not") {
   std::mt19937 rng(3);
   Reconstructor scan = scan_fan({{{0, 0, 0}, 40, 1}});
-  const MeshSnapshot mesh = scan.mesh();
-  const std::vector<ChunkConfidence> confidence = scan.confidence();
-  REQUIRE(confidence.size() == mesh.chunks.size());
+  const IndexedMesh mesh = scan.mesh().indexed();
+  const Confidence confidence = scan.confidence(mesh.positions);
+  REQUIRE(confidence.measured.size() == mesh.positions.size());
   double measured[2] = {0, 0}, distance_mm[2] = {0, 0}, count[2] = {0, 0};
   double worst_mm = 0;
-  for (std::size_t c = 0; c < confidence.size(); ++c) {
-    REQUIRE(confidence[c].measured.size() == mesh.chunks[c]->positions.size());
-    for (std::size_t v = 0; v < confidence[c].measured.size(); ++v) {
-      const Eigen::Vector3d p = mesh.chunks[c]->positions[v].cast<double>();
-      const double angle = std::atan2(p.y(), p.x()), half_turn = angle < 0 ? angle + std::numbers::pi : angle;
-      double truth_mm = 1e9;
-      for (int i = 0; i < kPlanes; ++i) {
-        const double a = kFirstMissing * i / kPlanes;
-        truth_mm = std::min(truth_mm, std::abs(p.dot(Eigen::Vector3d(-std::sin(a), std::cos(a), 0))));
-      }
-      worst_mm =
-          std::max(worst_mm, std::abs(std::min(truth_mm, 32.0) - static_cast<double>(confidence[c].distance_mm[v])));
-      if (p.head<2>().norm() < 20) continue;
-      const int wedge = half_turn > 0.7 * std::numbers::pi && half_turn < 0.85 * std::numbers::pi ? 1 : 0;
-      if (wedge == 0 && half_turn > 0.5 * std::numbers::pi) continue;
-      measured[wedge] += static_cast<double>(confidence[c].measured[v]);
-      distance_mm[wedge] += static_cast<double>(confidence[c].distance_mm[v]);
-      ++count[wedge];
+  for (std::size_t v = 0; v < confidence.measured.size(); ++v) {
+    const Eigen::Vector3d p = mesh.positions[v].cast<double>();
+    const double angle = std::atan2(p.y(), p.x()), half_turn = angle < 0 ? angle + std::numbers::pi : angle;
+    double truth_mm = 1e9;
+    for (int i = 0; i < kPlanes; ++i) {
+      const double a = kFirstMissing * i / kPlanes;
+      truth_mm = std::min(truth_mm, std::abs(p.dot(Eigen::Vector3d(-std::sin(a), std::cos(a), 0))));
     }
+    worst_mm = std::max(worst_mm, std::abs(std::min(truth_mm, 32.0) - static_cast<double>(confidence.distance_mm[v])));
+    if (p.head<2>().norm() < 20) continue;
+    const int wedge = half_turn > 0.7 * std::numbers::pi && half_turn < 0.85 * std::numbers::pi ? 1 : 0;
+    if (wedge == 0 && half_turn > 0.5 * std::numbers::pi) continue;
+    measured[wedge] += static_cast<double>(confidence.measured[v]);
+    distance_mm[wedge] += static_cast<double>(confidence.distance_mm[v]);
+    ++count[wedge];
   }
   MESSAGE("between planes: measured " << measured[0] / count[0] << ", " << distance_mm[0] / count[0]
                                       << " mm; in the wedge " << measured[1] / count[1] << ", "

@@ -72,7 +72,7 @@ TEST_CASE("house: the rule checker objects to every kind of line that it is ther
   CHECK(complaint("device_sim/firmware/firmware.h", quoted("host/device/session.h")));
   CHECK(complaint("core/slice/section.cpp", quoted("core/cells/cell_complex.h")));
   CHECK(complaint("core/field/field.cpp", quoted("host/scan/scan_session.h")));
-  CHECK(complaint("core/io/csl.cpp", quoted("protocol/record.h")));
+  CHECK(complaint("core/io/slices/csl.cpp", quoted("protocol/record.h")));
   CHECK(complaint("core/mesh/mesh.h", quoted("tests/support/mesh/mesh_check.h")));
   CHECK(complaint("core/mesh/mesh.cpp", angled("CGAL/Epick.h")));
   CHECK(complaint("core/reconstructor/reconstructor.cpp", quoted("core/offline/delaunay_mesher.h")));
@@ -96,7 +96,7 @@ TEST_CASE("house: the rule checker lets through what the table allows") {
   CHECK(!complaint("host/device/usb/usb_transport.cpp", angled("libusb-1.0/libusb.h")));
   CHECK(!complaint("host/scan/scan_session.h", quoted("core/reconstructor/reconstructor.h")));
   CHECK(!complaint("host/apps/tool/demo.cpp", quoted("device_sim/probe/simulated_probe.h")));
-  CHECK(!complaint("tests/unit/io/csl_test.cpp", quoted("core/io/slice_files.h")));
+  CHECK(!complaint("tests/unit/io/csl_test.cpp", quoted("core/io/slices/slice_files.h")));
   CHECK(!complaint("core/mesh/mesh.h", quoted("sonoloft/version.h")));
   CHECK(!complaint_in_public(angled("vector")));
   CHECK(!complaint_in_public(angled("Eigen/Core")));

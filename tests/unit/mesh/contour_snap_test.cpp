@@ -34,7 +34,7 @@ std::vector<Eigen::Vector3f> vertices(const std::vector<ContourPiece>& contours)
   return extractor.snapshot().indexed().positions;
 }
 
-const ContourPiece kPiece{{1.3F, 1.2F, 3.2F}, {5.8F, 4.1F, 3.8F}, 0, 1, false, false};
+const ContourPiece kPiece{{1.3F, 1.2F, 3.2F}, {5.8F, 4.1F, 3.8F}, 0, 1, SliceId{0}, false, false};
 
 double distance(const Eigen::Vector3f& p) {
   const Eigen::Vector3f along = kPiece.b - kPiece.a;
@@ -66,7 +66,7 @@ TEST_CASE("mesh: of two contours in a cell the nearer one has the vertex") {
 }
 
 TEST_CASE("mesh: a corner of a contour has the vertex of its cell, whatever is nearer") {
-  ContourPiece to_corner = kPiece, from_corner{kPiece.b, {6.7F, 1.1F, 3.4F}, 0, 1, true, false};
+  ContourPiece to_corner = kPiece, from_corner{kPiece.b, {6.7F, 1.1F, 3.4F}, 0, 1, SliceId{0}, true, false};
   to_corner.b_is_end = true;
   const auto at_corner = [](const std::vector<Eigen::Vector3f>& points) {
     return std::count_if(points.begin(), points.end(), [](const auto& p) { return (p - kPiece.b).norm() < 1e-4; });
@@ -76,6 +76,15 @@ TEST_CASE("mesh: a corner of a contour has the vertex of its cell, whatever is n
   CHECK(at_corner(vertices({to_corner, from_corner})) == 1);
   CHECK(at_corner(vertices({from_corner})) == 1);
   CHECK(at_corner(vertices({kPiece, no_end})) == 0);
+}
+
+TEST_CASE("mesh: of the corners of contours in a cell the one has the vertex that the mesh would cut off most") {
+  const Eigen::Vector3f tip(2.5F, 2.5F, 3.9F), notch(2.4F, 2.3F, 3.5F), outside(2.1F, 4.5F, 3.5F);
+  const ContourPiece up{notch, tip, 0, 1, SliceId{0}, true, true}, down{tip, outside, 0, 1, SliceId{0}, true, true};
+  for (const auto& pieces : {std::vector{up, down}, std::vector{down, up}}) {
+    const auto points = vertices(pieces);
+    CHECK(std::any_of(points.begin(), points.end(), [&](const auto& p) { return (p - tip).norm() < 1e-4; }));
+  }
 }
 
 TEST_CASE("mesh: a contour of other labels moves nothing") {

@@ -20,8 +20,8 @@ struct Confidence {
 };
 
 /// @param points_mm  vertices of a mesh drawn from `samples`, reference frame
-/// @cost  O(#P), some 0.2 us each where neighbours in the list are neighbours in space. Threads: any, but not during an
-///        update of samples or background.
+/// @cost  O(#P): 1.3 us each for the vertices of a joined mesh, 2.6 us chunk by chunk, since the distance is worked out
+///        block by block. Threads: any, but not during an update of samples or background.
 [[nodiscard]] Confidence confidence_at(std::span<const Eigen::Vector3f> points_mm, const SampleLattice& samples,
                                        const Background& background);
 

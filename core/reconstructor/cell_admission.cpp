@@ -23,54 +23,53 @@ constexpr double kLeaveWhole = std::numeric_limits<double>::infinity();
 }  // namespace
 
 void CellAdmission::raster(const Section& section, const CellComplex& cells, double spacing_mm) {
-  point_mm_.clear();
-  label_.clear();
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Label> labels;
+  Eigen::AlignedBox3d bounds;
   const SectionRaster raster = rasterize(section, spacing_mm, cells.box());
   for (int y = 0; y < raster.height; ++y)
     for (int x = 0; x < raster.width; ++x) {
       if (raster.at(x, y) == kUnknown) continue;
       const Eigen::Vector2d p = raster.point(x, y);
-      point_mm_.push_back(section.image_to_reference * Eigen::Vector3d(p.x(), p.y(), 0));
-      label_.push_back(raster.at(x, y));
+      points.push_back(section.image_to_reference * Eigen::Vector3d(p.x(), p.y(), 0));
+      labels.push_back(raster.at(x, y));
+      bounds.extend(points.back());
     }
-  Eigen::AlignedBox3d bounds;
-  for (const Eigen::Vector3d& p : point_mm_) bounds.extend(p);
-  if (point_mm_.empty())
-    cells_.clear();
-  else
-    cells.locate(bounds, point_mm_, order_, cells_);
+  point_mm_.clear();
+  label_.clear();
+  groups_.clear();
+  if (points.empty()) return;
+  std::vector<std::uint32_t> order;
+  std::vector<CellPoints> found;
+  cells.locate(bounds, points, order, found);
+  for (const std::uint32_t i : order) {
+    point_mm_.push_back(points[i]);
+    label_.push_back(labels[i]);
+  }
+  for (const CellPoints& of_cell : found) groups_.push_back({of_cell.cell, of_cell.first, of_cell.count, 0, 0});
 }
 
 void CellAdmission::pack(const CellComplex& cells) {
   batch_.clear();
-  groups_.clear();
   std::vector<CellFace> faces;
-  for (const CellPoints& points : cells_) {
-    cells.faces(points.cell, faces);
-    Group group{points, batch_.cells.add(faces, cells.centre(points.cell)), 0};
-    if (!batch_.cells.constant(group.packed)) {
-      point_of_cell_mm_.clear();
-      for (const std::uint32_t i : std::span(order_).subspan(points.first, points.count))
-        point_of_cell_mm_.push_back(point_mm_[i]);
-      group.block = batch_.add_points(group.packed, point_of_cell_mm_);
-    }
-    groups_.push_back(group);
+  for (Group& group : groups_) {
+    cells.faces(group.cell, faces);
+    group.packed = batch_.cells.add(faces, cells.centre(group.cell));
+    if (!batch_.cells.constant(group.packed))
+      group.block = batch_.add_points(group.packed, std::span(point_mm_).subspan(group.first, group.count));
   }
 }
 
 double CellAdmission::width(const Group& group, const Background& background) {
-  const std::span<const std::uint32_t> points = std::span(order_).subspan(group.points.first, group.points.count);
-  point_of_cell_mm_.clear();
-  for (const std::uint32_t i : points) point_of_cell_mm_.push_back(point_mm_[i]);
-  background.local(point_of_cell_mm_, weight_, near_);
+  background.local(std::span(point_mm_).subspan(group.first, group.count), weight_, near_);
   const std::span<const Label> labels = batch_.cells.labels(group.packed);
   const auto known = [&](std::uint32_t slot, std::size_t k) {
     return batch_.cells.constant(group.packed) ? 1.0f : batch_.row(group.block, slot)[k];
   };
 
+  const bool partly_unknown = labels.back() == kUnknown;
   std::size_t differ = 0, unseen = 0;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const bool partly_unknown = labels.back() == kUnknown;
+  for (std::size_t k = 0; k < group.count; ++k) {
     const float unmeasured = partly_unknown ? known(static_cast<std::uint32_t>(labels.size() - 1), k) : 0.0f;
     if (1.0f - unmeasured < kMeasured && weight_[k] < kNearSlices) {
       ++unseen;
@@ -82,11 +81,11 @@ double CellAdmission::width(const Group& group, const Background& background) {
       const float measured =
           slot != labels.end() && *slot == label ? known(static_cast<std::uint32_t>(slot - labels.begin()), k) : 0.0f;
       const float filled = row != near_.labels.end() && *row == label
-                               ? near_.share[static_cast<std::size_t>(row - near_.labels.begin()) * points.size() + k]
+                               ? near_.share[static_cast<std::size_t>(row - near_.labels.begin()) * group.count + k]
                                : 0.0f;
       return measured + unmeasured * filled;
     };
-    const Label said = label_[points[k]];
+    const Label said = label_[group.first + k];
     const float of_said = share(said);
     const auto beats = [&](Label label) {
       return label != said && label != kUnknown && (label < said ? share(label) >= of_said : share(label) > of_said);
@@ -97,7 +96,7 @@ double CellAdmission::width(const Group& group, const Background& background) {
   }
   const double h = background.spacing_mm(), point_mm2 = kRaster * kRaster * h * h;
   if (point_mm2 * static_cast<double>(differ) >= kDiffers * h * h) return kWidth * h;
-  const double seen_mm2 = point_mm2 * static_cast<double>(points.size());
+  const double seen_mm2 = point_mm2 * group.count;
   if (point_mm2 * static_cast<double>(unseen) >= kUnseenShare * seen_mm2 + kUnseen * h * h) return kUnseenWidth * h;
   return kLeaveWhole;
 }
@@ -109,7 +108,7 @@ Result<CellAdmission::Widths> CellAdmission::judge(const Section& section, const
   if (const auto done = evaluator.evaluate(batch_); !done) return tl::unexpected<Error>(done.error());
   Widths widths;
   for (const Group& group : groups_)
-    if (const double mm = width(group, background); mm < kLeaveWhole) widths.emplace(group.points.cell, mm);
+    if (const double mm = width(group, background); mm < kLeaveWhole) widths.emplace(group.cell, mm);
   return widths;
 }
 

@@ -25,19 +25,18 @@ class CellAdmission {
                                      FieldEvaluator& evaluator);
 
  private:
-  /// Points of one cell: order_[first, first + count).
+  /// Points of one cell: point_mm_[first, first + count).
   struct Group {
-    CellPoints points;
+    CellId cell;
+    std::uint32_t first, count;
     std::uint32_t packed, block;  ///< block: meaningless when the cell is constant
   };
   void raster(const Section& section, const CellComplex& cells, double spacing_mm);
   void pack(const CellComplex& cells);
   [[nodiscard]] double width(const Group& group, const Background& background);
 
-  std::vector<Eigen::Vector3d> point_mm_, point_of_cell_mm_;
-  std::vector<Label> label_;  ///< [point_mm_] what the slice says
-  std::vector<std::uint32_t> order_;
-  std::vector<CellPoints> cells_;
+  std::vector<Eigen::Vector3d> point_mm_;  ///< of the raster, those of one cell together
+  std::vector<Label> label_;               ///< [point_mm_] what the slice says
   std::vector<Group> groups_;
   FieldBatch batch_;
   PointShares near_;

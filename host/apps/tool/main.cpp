@@ -4,7 +4,7 @@
 #include <iostream>
 #include <string>
 
-#include "host/apps/tool/verbs.h"
+#include "host/apps/tool/verbs/verbs.h"
 
 int main(int argc, char** argv) {
   using namespace sonoloft::tool;

@@ -61,7 +61,7 @@ TEST_CASE("scan: coverage, confidence and withdraw may be called in callbacks an
   const auto scan = open_scan(device.port());
   session = scan.get();
   REQUIRE(scan->start(inbox.callbacks()));
-  for (int i = 0; i < 5; ++i) CHECK(scan->coverage().seen_fraction() <= 1);
+  for (int i = 0; i < 5; ++i) (void)scan->coverage();
   REQUIRE(inbox.wait_for(ScanEventKind::end_of_data));
   scan->stop();
   CHECK(withdrawn == 1);

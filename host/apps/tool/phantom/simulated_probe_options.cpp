@@ -5,8 +5,13 @@
 namespace sonoloft::tool {
 
 void add_simulated_probe(CLI::App& verb, SimulatedProbeOptions& options) {
-  verb.add_option("--phantom", options.phantom, "What is scanned, as in sonoloft demo")->capture_default_str();
-  verb.add_option("--slices", options.plan.slices, "Slices of the sweep, as in sonoloft demo")
+  verb.add_option(
+          "--phantom", options.phantom,
+          "liver, femur, organs, torso (ribs that shadow), or a file: recorded slices (.csl, .contour), a closed "
+          "mesh (.off, .stl, .ply, .obj), voxels (.inr, .inr.gz)")
+      ->capture_default_str();
+  verb.add_option("--slices", options.plan.slices,
+                  "Slices of the sweep; default: 60, of the torso 300, or all that were recorded")
       ->check(CLI::Range(1, 100000));
   verb.add_option("--rate", options.plan.rate_hz, "Slices a second; 0: as fast as they are used")
       ->check(finite(0, 1000))

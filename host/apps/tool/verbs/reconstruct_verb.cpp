@@ -9,7 +9,7 @@
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/mesher.h"
-#include "host/apps/tool/verbs.h"
+#include "host/apps/tool/verbs/verbs.h"
 
 namespace sonoloft::tool {
 namespace {

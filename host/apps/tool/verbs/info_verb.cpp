@@ -5,7 +5,7 @@
 
 #include "core/gpu/make_evaluator.h"
 #include "host/apps/tool/phantom/body.h"
-#include "host/apps/tool/verbs.h"
+#include "host/apps/tool/verbs/verbs.h"
 
 namespace sonoloft::tool {
 namespace {

@@ -7,7 +7,7 @@
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/phantom/body.h"
-#include "host/apps/tool/verbs.h"
+#include "host/apps/tool/verbs/verbs.h"
 
 namespace sonoloft::tool {
 namespace {

@@ -9,7 +9,7 @@
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/interrupt.h"
 #include "host/apps/tool/phantom/simulated_probe_options.h"
-#include "host/apps/tool/verbs.h"
+#include "host/apps/tool/verbs/verbs.h"
 #include "host/device/loopback/loopback_transport.h"
 #include "host/device/session.h"
 #include "host/device/usb/usb_transport.h"

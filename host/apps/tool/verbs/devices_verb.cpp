@@ -1,6 +1,6 @@
 #include <iostream>
 
-#include "host/apps/tool/verbs.h"
+#include "host/apps/tool/verbs/verbs.h"
 #include "host/device/session.h"
 #include "host/device/usb/usb_devices.h"
 #include "host/device/usb/usb_transport.h"

@@ -11,7 +11,7 @@
 #include "host/apps/tool/interrupt.h"
 #include "host/apps/tool/phantom/simulated_probe_options.h"
 #include "host/apps/tool/scan_log.h"
-#include "host/apps/tool/verbs.h"
+#include "host/apps/tool/verbs/verbs.h"
 #include "host/device/loopback/loopback_transport.h"
 #include "host/device/usb/usb_transport.h"
 #include "host/scan/scan_session.h"

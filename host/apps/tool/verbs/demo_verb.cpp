@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -12,10 +11,11 @@
 #include "core/io/slices/slice_files.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
+#include "host/apps/tool/interrupt.h"
 #include "host/apps/tool/phantom/body.h"
-#include "host/apps/tool/phantom/simulated_scan.h"
+#include "host/apps/tool/phantom/simulated_probe_options.h"
 #include "host/apps/tool/scan_log.h"
-#include "host/apps/tool/verbs.h"
+#include "host/apps/tool/verbs/verbs.h"
 #include "host/device/loopback/loopback_transport.h"
 #include "host/scan/scan_session.h"
 
@@ -25,22 +25,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct DemoOptions {
-  std::string phantom = "liver";
-  ScanPlan plan;
+  SimulatedProbeOptions probe;
   std::optional<double> seconds;
   std::filesystem::path out = "out";
-  std::optional<std::filesystem::path> data, report, saved_slices;
+  std::optional<std::filesystem::path> report, saved_slices;
   Resolution resolution{7, {}};  ///< coarse enough to follow 10 slices a second on two cores
   Compute compute;
   Admission admission = Admission::news;
 };
-
-volatile std::sig_atomic_t interrupted = 0;
-
-void interrupt(int) {
-  interrupted = 1;
-  std::signal(SIGINT, SIG_DFL);  // a second Ctrl-C means it
-}
 
 Result<ScanOptions> scan_options(const DemoOptions& demo, const Eigen::AlignedBox3d& body) {
   const double longest_mm = body.sizes().maxCoeff();
@@ -55,7 +47,7 @@ Result<ScanOptions> scan_options(const DemoOptions& demo, const Eigen::AlignedBo
   options.reconstructor.device = demo.compute.device;
   options.reconstructor.threads = demo.compute.threads;
   options.reconstructor.log = [](const std::string& line) { std::cout << line << '\n'; };
-  if (demo.plan.rate_hz == 0) options.stream.mode = device::StreamMode::lossless;
+  if (demo.probe.plan.rate_hz == 0) options.stream.mode = device::StreamMode::lossless;
   return options;
 }
 
@@ -64,7 +56,7 @@ void follow(ScanLog& log) {
   const bool terminal = isatty(STDOUT_FILENO) == 1;
   const auto show = [&] { std::cout << log.progress() << (terminal ? "    \r" : "\n") << std::flush; };
   auto next_line = std::chrono::steady_clock::now() + std::chrono::seconds(1);
-  while (!interrupted && !log.wait_for_end(std::chrono::milliseconds(100))) {
+  while (!interrupted() && !log.wait_for_end(std::chrono::milliseconds(100))) {
     if (!terminal && std::chrono::steady_clock::now() < next_line) continue;
     next_line += std::chrono::seconds(1);
     show();
@@ -189,7 +181,7 @@ Result<void> judge(const DemoOptions& demo, const Truth& truth, const ScanLog& l
   if (!dice) return tl::unexpected<Error>(dice.error());
   const Coverage coverage = scan.coverage();
   const Percentiles latency = percentiles(log.latencies_ms()), insert = percentiles(log.reconstruct_ms());
-  const Json report = {{"phantom", demo.phantom},
+  const Json report = {{"phantom", demo.probe.phantom},
                        {"device", scan.field_device()},
                        {"slices", slices_json(scan.counts())},
                        {"dice", *dice},
@@ -210,19 +202,20 @@ Result<void> judge(const DemoOptions& demo, const Truth& truth, const ScanLog& l
 
 Result<void> run_demo(DemoOptions demo) {
   if (demo.seconds)
-    demo.plan.slices = static_cast<std::uint32_t>(std::max(1.0, std::round(*demo.seconds * demo.plan.rate_hz)));
-  const auto body = load_body(demo.phantom, demo.data);
+    demo.probe.plan.slices =
+        static_cast<std::uint32_t>(std::max(1.0, std::round(*demo.seconds * demo.probe.plan.rate_hz)));
+  const auto body = load_body(demo.probe.phantom, demo.probe.data);
   if (!body) return tl::unexpected<Error>(body.error());
   const auto options = scan_options(demo, body->source->bounds());
   if (!options) return tl::unexpected<Error>(options.error());
-  const auto device = SimulatedScan::make(*body, demo.plan);
+  const auto device = SimulatedScan::make(*body, demo.probe.plan);
   if (!device) return tl::unexpected<Error>(device.error());
   ScanLog log;
   const auto scan = ScanSession::open(std::make_unique<device::LoopbackTransport>((*device)->port()), *options);
   if (!scan) return tl::unexpected<Error>(scan.error());
-  std::cout << demo.phantom << ": " << (*device)->slices() << " slices, finest cells of "
+  std::cout << demo.probe.phantom << ": " << (*device)->slices() << " slices, finest cells of "
             << options->reconstructor.spacing_mm << " mm, field on " << (*scan)->field_device() << std::endl;
-  std::signal(SIGINT, interrupt);
+  note_interrupts();
   if (auto started = (*scan)->start(log.callbacks()); !started) return started;
   follow(log);
   (*scan)->stop();
@@ -237,25 +230,11 @@ void add_demo(CLI::App& app, Task& task) {
   auto* verb =
       app.add_subcommand("demo", "Scans a phantom with a simulated probe, live, and says how good the mesh is");
   auto demo = std::make_shared<DemoOptions>();
-  verb->add_option("--phantom", demo->phantom,
-                   "liver, femur, organs, torso (ribs that shadow), or a file: recorded slices (.csl, .contour), a "
-                   "closed mesh (.off, .stl, "
-                   ".ply, .obj), voxels (.inr, .inr.gz)")
-      ->capture_default_str();
-  auto* slices = verb->add_option("--slices", demo->plan.slices,
-                                  "Slices of the sweep; default: 60, of the torso 300, or all that were recorded")
-                     ->check(CLI::Range(1, 100000));
-  verb->add_option("--rate", demo->plan.rate_hz, "Slices a second; 0: as fast as they are used")
-      ->check(finite(0, 1000))
-      ->capture_default_str();
+  add_simulated_probe(*verb, demo->probe);
   verb->add_option("--seconds", demo->seconds, "Length of the sweep, instead of --slices")
       ->check(finite(0.1, 3600))
-      ->excludes(slices);
-  verb->add_option("--seed", demo->plan.seed, "Of the hand that holds the probe, and of noise")
-      ->check(finite(0, 1e15))
-      ->capture_default_str();
+      ->excludes("--slices");
   verb->add_option("--out", demo->out, "Folder for mesh.ply and mesh.png")->capture_default_str();
-  verb->add_option("--data", demo->data, "Folder of the demo's data; default: $SONOLOFT_DATA, then build/data");
   verb->add_option("--save-slices", demo->saved_slices, "Write the slices that were sent into this CSL file")
       ->check(ends_in(".csl"));
   add_resolution(*verb, demo->resolution);
@@ -263,7 +242,8 @@ void add_demo(CLI::App& app, Task& task) {
   add_compute(*verb, demo->compute);
   add_report(*verb, demo->report);
   verb->callback([&task, demo] {
-    if (demo->seconds && demo->plan.rate_hz == 0) throw CLI::ValidationError("--seconds", "needs a --rate above 0");
+    if (demo->seconds && demo->probe.plan.rate_hz == 0)
+      throw CLI::ValidationError("--seconds", "needs a --rate above 0");
     task = [demo] { return run_demo(*demo); };
   });
 }

@@ -8,7 +8,7 @@
 #include "host/apps/tool/interrupt.h"
 #include "host/apps/tool/phantom/body.h"
 #include "host/apps/tool/phantom/simulated_probe_options.h"
-#include "host/apps/tool/verbs.h"
+#include "host/apps/tool/verbs/verbs.h"
 
 namespace sonoloft::tool {
 namespace {

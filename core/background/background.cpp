@@ -5,7 +5,6 @@
 #include "core/background/cascade.h"
 #include "core/background/node_block.h"
 #include "core/background/seen_distance.h"
-#include "core/background/shadow_fill.h"
 #include "core/background/slice_splat.h"
 #include "core/background/surface_cells.h"
 
@@ -14,7 +13,7 @@ namespace {
 
 static_assert(kBackgroundBrick == kBrickEdge);
 
-constexpr int kPixelsPerSpacing = 3;
+constexpr int kPixelsPerSpacing = 2;
 constexpr float kLeastWeight = 0.02f;  ///< below, local() knows nothing
 
 Eigen::Vector3i node_count(const Eigen::AlignedBox3d& box, double spacing_mm) {
@@ -86,8 +85,8 @@ struct Background::State {
         surface(node_count(box_mm, spacing_mm)) {}
 
   void splat_section(const Section& section, int sign) {
-    const FilledRaster slice = fill_shadows(rasterize(section, lattice.spacing_mm / kPixelsPerSpacing, box));
-    splat(lattice, section.image_to_reference, slice, sign, cascade.data(), cascade.touched());
+    const SectionRaster raster = rasterize(section, lattice.spacing_mm / kPixelsPerSpacing, box);
+    splat(lattice, section.image_to_reference, raster, sign, cascade.data(), cascade.touched());
   }
 };
 

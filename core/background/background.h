@@ -47,8 +47,8 @@ class Background {
   Background(Background&&) noexcept;
   Background& operator=(Background&&) noexcept;
 
-  /// Takes in the known part of a slice in the box, cut or not; small shadows enclosed in it are filled in first, as
-  /// data of less weight. local() knows it at once, shares() after the next update().
+  /// Takes in the known part of a slice in the box, cut or not. local() knows it at once, shares() after the next
+  /// update().
   /// @pre   at most 2^18 slices are held (counts would overflow)
   /// @cost  O(known area / spacing^2 + edges)
   void add(const Section& section);

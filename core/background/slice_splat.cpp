@@ -35,17 +35,15 @@ void add_pixel(const Eigen::Vector3d& steps, double units, Label label, int sign
 
 }  // namespace
 
-void splat(const NodeLattice& lattice, const Eigen::Isometry3d& image_to_reference, const FilledRaster& slice, int sign,
-           BrickTable<NodeData>& data, ChangedNodes& changed) {
-  const SectionRaster& raster = slice.raster;
-  const double pixel = raster.spacing_mm / lattice.spacing_mm;
+void splat(const NodeLattice& lattice, const Eigen::Isometry3d& image_to_reference, const SectionRaster& raster,
+           int sign, BrickTable<NodeData>& data, ChangedNodes& changed) {
+  const double pixel = raster.spacing_mm / lattice.spacing_mm, units = kWeightUnit * pixel * pixel;
   std::size_t at = 0;
   for (int y = 0; y < raster.height; ++y)
     for (int x = 0; x < raster.width; ++x, ++at) {
-      if (slice.weight[at] == 0) continue;
+      if (raster.label[at] == kUnknown) continue;
       const Eigen::Vector2d p = raster.point(x, y);
       const Eigen::Vector3d steps = lattice.steps(image_to_reference * Eigen::Vector3d(p.x(), p.y(), 0));
-      const double units = kWeightUnit * pixel * pixel * slice.weight[at] / kPixelUnit;
       add_pixel(steps, units, raster.label[at], sign, data, changed);
     }
 }

@@ -1,10 +1,10 @@
 #pragma once
-// add, remove:  Section -> raster, shadows filled -> [SPLAT] -> NodeData
+// add, remove:  Section -> raster -> [SPLAT] -> NodeData
 #include <Eigen/Geometry>
 
 #include "core/background/brick_table.h"
 #include "core/background/node_block.h"
-#include "core/background/shadow_fill.h"
+#include "core/slice/section_raster.h"
 
 namespace sonoloft {
 
@@ -13,7 +13,7 @@ namespace sonoloft {
 /// nothing. Weights stay below 2 units a slice and node.
 /// @param sign     1 adds, -1 takes away
 /// @param changed  out, the nodes touched
-void splat(const NodeLattice& lattice, const Eigen::Isometry3d& image_to_reference, const FilledRaster& slice, int sign,
-           BrickTable<NodeData>& data, ChangedNodes& changed);
+void splat(const NodeLattice& lattice, const Eigen::Isometry3d& image_to_reference, const SectionRaster& raster,
+           int sign, BrickTable<NodeData>& data, ChangedNodes& changed);
 
 }  // namespace sonoloft

@@ -34,8 +34,9 @@ std::vector<SliceId> CellComplex::slices() const {
 const Section& CellComplex::section(SliceId slice) const {
   return store_->slices[static_cast<std::uint32_t>(slice)].section;
 }
-bool CellComplex::is_of(PlaneId plane, SliceId slice) const {
-  return store_->plane_slices[static_cast<std::uint32_t>(plane)] == static_cast<std::uint32_t>(slice);
+std::optional<SliceId> CellComplex::slice_of(PlaneId plane) const {
+  const std::uint32_t slice = store_->plane_slices[static_cast<std::uint32_t>(plane)];
+  return slice == kNone ? std::nullopt : std::optional(SliceId{slice});
 }
 
 std::size_t CellComplex::cell_count() const {

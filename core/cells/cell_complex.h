@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -109,8 +110,8 @@ class CellComplex {
 
   /// The slices inserted and not withdrawn, those that cut nothing among them, ascending.
   [[nodiscard]] std::vector<SliceId> slices() const;
-  [[nodiscard]] const Section& section(SliceId slice) const;  ///< valid until the next insert()
-  [[nodiscard]] bool is_of(PlaneId plane, SliceId slice) const;
+  [[nodiscard]] const Section& section(SliceId slice) const;           ///< valid until the next insert()
+  [[nodiscard]] std::optional<SliceId> slice_of(PlaneId plane) const;  ///< none: a wall of the box
 
   [[nodiscard]] std::size_t cell_count() const;
   [[nodiscard]] std::size_t cell_bound() const;  ///< ids are below this; those of cells that are no more among them

@@ -98,4 +98,9 @@ double area(const FacePolygon& polygon, Label label) {
   return 0.5 * twice;
 }
 
+bool has_unknown(const FacePolygon& polygon) {
+  return std::any_of(polygon.begin(), polygon.end(),
+                     [](const FaceEdge& e) { return e.left == kUnknown || e.right == kUnknown; });
+}
+
 }  // namespace sonoloft

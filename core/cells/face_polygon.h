@@ -35,4 +35,6 @@ struct ImageLine {
 /// Area in mm^2 of all that is labelled `label` (every label: kBeyondFace).
 [[nodiscard]] double area(const FacePolygon& polygon, Label label = kBeyondFace);
 
+[[nodiscard]] bool has_unknown(const FacePolygon& polygon);
+
 }  // namespace sonoloft

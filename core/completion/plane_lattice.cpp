@@ -46,11 +46,6 @@ void add_piece(const FacePolygon& polygon, const std::array<std::uint32_t, 3>& n
 
 }  // namespace
 
-bool has_unknown(const FacePolygon& polygon) {
-  return std::any_of(polygon.begin(), polygon.end(),
-                     [](const FaceEdge& e) { return e.left == kUnknown || e.right == kUnknown; });
-}
-
 std::vector<double> graded_lines(double low, double high, double from, double to, double spacing_mm) {
   const int count = std::max(1, static_cast<int>(std::ceil((high - low) / spacing_mm)));
   const double step_mm = high > low ? (high - low) / count : spacing_mm;

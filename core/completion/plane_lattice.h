@@ -26,8 +26,6 @@ struct PlaneLattice {
 /// [from, to]. @pre low <= high, from <= to, spacing_mm > 0
 [[nodiscard]] std::vector<double> graded_lines(double low, double high, double from, double to, double spacing_mm);
 
-[[nodiscard]] bool has_unknown(const FacePolygon& polygon);
-
 /// The unknown part of a wall in one triangle.
 struct UnknownPiece {
   std::array<std::uint32_t, 3> nodes;                               ///< corners of the triangle, counter-clockwise

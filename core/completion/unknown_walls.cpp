@@ -81,9 +81,7 @@ void UnknownWalls::lay_lattices() {
             material.push_back(p);
   }
   for (auto& [id, plane] : planes) {
-    for (const SliceId slice : cells.slices())
-      if (cells.is_of(id, slice)) plane.section = &cells.section(slice);
-    assert(plane.section != nullptr);
+    plane.section = &cells.section(cells.slice_of(id).value());
     Eigen::AlignedBox2d fine;
     const Eigen::Isometry3d to_image = plane.frame.inverse(Eigen::Isometry);
     for (const Eigen::Vector3d& p : material) fine.extend(Eigen::Vector2d((to_image * p).head<2>()));

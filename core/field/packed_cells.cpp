@@ -18,8 +18,9 @@ double size_mm(std::span<const CellFace> faces, const Eigen::Vector3d& centre_mm
   return 2 * std::sqrt(radius2);
 }
 
-std::uint32_t slot_of(Label label, std::span<const Label> slots) {
+std::uint32_t slot_of(Label label, std::span<const Label> slots, std::uint32_t unknown_slot) {
   if (label == kBeyondFace) return SONOLOFT_NO_SLOT;
+  if (label == kUnknown) return unknown_slot;
   return static_cast<std::uint32_t>(std::lower_bound(slots.begin(), slots.end(), label) - slots.begin());
 }
 
@@ -34,15 +35,22 @@ void PackedCells::clear() {
   centres_mm_.clear();
 }
 
-std::uint32_t PackedCells::add(std::span<const CellFace> faces, const Eigen::Vector3d& centre_mm) {
+std::uint32_t PackedCells::add(std::span<const CellFace> faces, const Eigen::Vector3d& centre_mm,
+                               std::span<const std::uint32_t> apart) {
   const auto index = static_cast<std::uint32_t>(cells_.size());
   const auto first_label = static_cast<std::uint32_t>(labels_.size());
   const auto first_face = static_cast<std::uint32_t>(faces_.size());
-  collect_labels(faces);
+  collect_labels(faces, apart);
   const std::span<const Label> slots(labels_.data() + first_label, labels_.size() - first_label);
   if (slots.size() > 1) {
     const double unit_mm = size_mm(faces, centre_mm);
-    for (const CellFace& face : faces) add_face(face, centre_mm, unit_mm, slots);
+    const auto first_unknown =
+        static_cast<std::uint32_t>(std::lower_bound(slots.begin(), slots.end(), kUnknown) - slots.begin());
+    auto next_apart = static_cast<std::uint32_t>(slots.size() - apart.size());
+    for (std::uint32_t i = 0; i < faces.size(); ++i) {
+      const bool is_apart = std::binary_search(apart.begin(), apart.end(), i);
+      add_face(faces[i], centre_mm, unit_mm, slots, is_apart ? next_apart++ : first_unknown);
+    }
   }
   const auto face_count = static_cast<std::uint32_t>(faces_.size()) - first_face;
   cells_.push_back({first_face, face_count, static_cast<std::uint32_t>(slots.size()), first_label});
@@ -59,28 +67,29 @@ std::uint32_t PackedCells::edge_count(std::uint32_t cell) const {
 }
 
 /// Appends the slots of a cell to labels_. A cell with nothing but slivers for faces is unknown.
-void PackedCells::collect_labels(std::span<const CellFace> faces) {
+void PackedCells::collect_labels(std::span<const CellFace> faces, std::span<const std::uint32_t> apart) {
   const auto first = static_cast<std::ptrdiff_t>(labels_.size());
   const auto note = [&](Label label) {
     if (label == kBeyondFace) return;
     const auto at = std::lower_bound(labels_.begin() + first, labels_.end(), label);
     if (at == labels_.end() || *at != label) labels_.insert(at, label);
   };
-  for (const CellFace& face : faces) {
-    for (const FaceEdge& edge : *face.polygon) {
-      note(edge.left);
-      note(edge.right);
-    }
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    const bool is_apart = std::binary_search(apart.begin(), apart.end(), i);
+    for (const FaceEdge& edge : *faces[i].polygon)
+      for (const Label label : {edge.left, edge.right})
+        if (label != kUnknown || !is_apart) note(label);
   }
+  labels_.insert(labels_.end(), apart.size(), kUnknown);
   if (static_cast<std::ptrdiff_t>(labels_.size()) == first) note(kUnknown);
 }
 
 void PackedCells::add_face(const CellFace& face, const Eigen::Vector3d& centre_mm, double unit_mm,
-                           std::span<const Label> slots) {
+                           std::span<const Label> slots, std::uint32_t unknown_slot) {
   const Eigen::Vector3d centre = face.image_to_reference->inverse() * centre_mm;
   scratch_.clear();
   for (const FaceEdge& edge : *face.polygon) {
-    std::uint32_t left = slot_of(edge.left, slots), right = slot_of(edge.right, slots);
+    std::uint32_t left = slot_of(edge.left, slots, unknown_slot), right = slot_of(edge.right, slots, unknown_slot);
     // The sum over an edge changes sign with its direction, so every pair of labels needs one run only.
     const bool turn = left > right;
     if (turn) std::swap(left, right);

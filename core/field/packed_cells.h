@@ -19,12 +19,15 @@ class PackedCells {
 
   /// Appends a cell. A cell is constant when all of its walls are of one label, kUnknown among these.
   /// @param centre_mm  CellComplex::centre(), reference frame
+  /// @param apart      ascending, indices of faces with unknown parts that get a slot each
   /// @return the cell's index here, 0, 1, ...
   /// @cost   O(#edges log #edges); allocates only when the buffers grow
-  std::uint32_t add(std::span<const CellFace> faces, const Eigen::Vector3d& centre_mm);
+  std::uint32_t add(std::span<const CellFace> faces, const Eigen::Vector3d& centre_mm,
+                    std::span<const std::uint32_t> apart = {});
 
   [[nodiscard]] std::size_t size() const { return cells_.size(); }
-  /// The label of each slot, ascending: the last is kUnknown where a wall has unknown parts.
+  /// The label of each slot, ascending: kUnknown comes last, once for all walls with unknown parts that are not apart,
+  /// then once for each that is.
   [[nodiscard]] std::span<const Label> labels(std::uint32_t cell) const {
     return {labels_.data() + cells_[cell].first_label, cells_[cell].slot_count};
   }
@@ -43,8 +46,9 @@ class PackedCells {
     kernels::PackedEdge edge;
     std::uint32_t left, right, order;
   };
-  void collect_labels(std::span<const CellFace> faces);
-  void add_face(const CellFace& face, const Eigen::Vector3d& centre_mm, double unit_mm, std::span<const Label> slots);
+  void collect_labels(std::span<const CellFace> faces, std::span<const std::uint32_t> apart);
+  void add_face(const CellFace& face, const Eigen::Vector3d& centre_mm, double unit_mm, std::span<const Label> slots,
+                std::uint32_t unknown_slot);
 
   std::vector<kernels::PackedCell> cells_;
   std::vector<kernels::PackedFace> faces_;

@@ -155,7 +155,7 @@ void SampleOctree::note(const CellComplex& cells, const CellComplex::Withdrawal&
     state_->forget_contours([&](const Eigen::Vector3d& p, SliceId slice) {
       return std::all_of(faces.begin(), faces.end(), [&](const CellFace& face) {
         const double z = (face.image_to_reference->inverse() * p).z();
-        return (face.above ? z : -z) > 0.0 && !cells.is_of(face.plane, slice);
+        return (face.above ? z : -z) > 0.0 && cells.slice_of(face.plane) != slice;
       });
     });
   }

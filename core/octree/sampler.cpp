@@ -10,7 +10,7 @@
 namespace sonoloft {
 namespace {
 
-constexpr std::uint32_t kNoBlock = 0xFFFFFFFF, kNotPacked = 0xFFFFFFFF;
+constexpr std::uint32_t kNotPacked = 0xFFFFFFFF;
 constexpr std::uint32_t kBoxWalls = 6;
 
 }  // namespace
@@ -74,9 +74,26 @@ void Sampler::locate(const SampleJob& job, BrickCoord brick, Scratch& scratch, L
   for (std::size_t i = 0; i < out.index.size(); ++i) out.index[i] = scratch.index[scratch.order[i]];
 }
 
+/// The rim that says something about the unknown part of a face of a cell, or null.
+const Rim* Sampler::rim_at(const CellFace& face, const Eigen::AlignedBox3d& cell) const {
+  const std::optional<SliceId> slice = cells_.slice_of(face.plane);
+  if (!slice || !has_unknown(*face.polygon)) return nullptr;
+  const Rim& rim = fill_.rim(*slice);
+  return rim.reaches(cell.center(), 0.5 * cell.diagonal().norm()) ? &rim : nullptr;
+}
+
 void Sampler::pack(std::uint32_t cell) {
   cells_.faces(CellId{cell}, faces_);
-  packed_of_cell_[cell] = batch_.cells.add(faces_, cells_.centre(CellId{cell}));
+  apart_.clear();
+  const auto first_rim = static_cast<std::uint32_t>(rims_.size());
+  const Eigen::AlignedBox3d bounds = cells_.bounds(CellId{cell});
+  for (std::uint32_t i = 0; fill_.rim && i < faces_.size(); ++i)
+    if (const Rim* rim = rim_at(faces_[i], bounds)) {
+      apart_.push_back(i);
+      rims_.push_back(rim);
+    }
+  rims_of_packed_.push_back({first_rim, static_cast<std::uint32_t>(apart_.size())});
+  packed_of_cell_[cell] = batch_.cells.add(faces_, cells_.centre(CellId{cell}), apart_);
   cell_of_packed_.push_back(cell);
   const auto first = static_cast<std::uint32_t>(pins_.size());
   for (const CellFace& face : faces_) {
@@ -119,7 +136,7 @@ Result<void> Sampler::evaluate(const BrickPool& bricks, const std::vector<Sample
 void Sampler::pin(WorkBrick& brick, const Group& group) const {
   const Eigen::Vector3d lowest = position_mm(brick.coord, 0);
   const Eigen::Vector3d centre = lowest + Eigen::Vector3d::Constant(0.5 * spacing_mm_ * (kBrickSize - 1));
-  const PinRange range = pins_of_packed_[group.packed];
+  const Range range = pins_of_packed_[group.packed];
   for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
     const PinPlane& plane = pins_[i];
     const double reach = 0.5 * spacing_mm_ * (kBrickSize - 1) * plane.normal.lpNorm<1>();
@@ -135,11 +152,10 @@ void Sampler::store(WorkBrick& brick, const Group& group, Scratch& scratch) cons
   const std::span<const std::uint16_t> index = samples_of(group);
   const std::span<const Label> labels = batch_.cells.labels(group.packed);
   const bool partly_unknown = labels.back() == kUnknown;
-  if (partly_unknown) brick.smooth.unmeasured.resize(kBrickSamples, 0.0f);
+  if (partly_unknown) brick.smooth.unmeasured.resize(kBrickSamples, 0.0f);  // and 0 at these samples: forget()
   for (std::uint32_t slot = 0; slot < labels.size(); ++slot) {
     float* row = labels[slot] == kUnknown ? brick.smooth.unmeasured.data() : brick.shares.row(labels[slot]);
-    for (std::size_t k = 0; k < index.size(); ++k)
-      row[index[k]] = group.block == kNoBlock ? 1.0f : batch_.row(group.block, slot)[group.lane + k];
+    for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += share(group, slot, k);
   }
   if (partly_unknown) fill_unmeasured(brick, group, scratch);
   std::array<float, kBrickSamples> best;
@@ -162,9 +178,12 @@ void Sampler::store(WorkBrick& brick, const Group& group, Scratch& scratch) cons
 void Sampler::fill_unmeasured(WorkBrick& brick, const Group& group, Scratch& scratch) const {
   const std::span<const std::uint16_t> index = samples_of(group);
   PointShares& filling = scratch.filling;
-  if (fill_) {
-    positions_mm(brick.coord, index, scratch.points_mm);
-    fill_(CellId{cell_of_packed_[group.packed]}, scratch.points_mm, filling);
+  positions_mm(brick.coord, index, scratch.points_mm);
+  scratch.filled.clear();
+  for (const std::uint16_t i : index) scratch.filled.push_back(brick.smooth.unmeasured[i]);
+  fill_from_rims(brick, group, scratch);
+  if (fill_.shares) {
+    fill_.shares(CellId{cell_of_packed_[group.packed]}, scratch.points_mm, filling);
   } else {
     filling.labels.assign(1, kOutside);
     filling.share.assign(index.size(), 1.0f);
@@ -172,8 +191,31 @@ void Sampler::fill_unmeasured(WorkBrick& brick, const Group& group, Scratch& scr
   for (std::size_t l = 0; l < filling.labels.size(); ++l) {
     const float* share = filling.share.data() + l * index.size();
     float* row = brick.shares.row(filling.labels[l]);
-    for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += brick.smooth.unmeasured[index[k]] * share[k];
+    for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += scratch.filled[k] * share[k];
   }
+}
+
+/// In the unknown part of a wall a rim weighs its labels against the rest: these get B / (1 + sum of B) of it.
+void Sampler::fill_from_rims(WorkBrick& brick, const Group& group, Scratch& scratch) const {
+  const std::span<const std::uint16_t> index = samples_of(group);
+  const Range range = rims_of_packed_[group.packed];
+  const std::size_t first_slot = batch_.cells.labels(group.packed).size() - range.count;
+  for (std::uint32_t r = 0; r < range.count; ++r) {
+    PointWeights& rim = scratch.rim;
+    rims_[range.first + r]->weigh(scratch.points_mm, rim);
+    for (std::size_t k = 0; k < index.size(); ++k) {
+      float total = 1;
+      for (std::size_t i = k; i < rim.weight.size(); i += index.size()) total += rim.weight[i];
+      const float each = share(group, first_slot + r, k) / total;
+      for (std::size_t i = k; i < rim.weight.size(); i += index.size()) rim.weight[i] *= each;
+      scratch.filled[k] -= each * (total - 1);
+    }
+    for (std::size_t l = 0; l < rim.labels.size(); ++l) {
+      float* row = brick.shares.row(rim.labels[l]);
+      for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += rim.weight[l * index.size() + k];
+    }
+  }
+  for (float& share : scratch.filled) share = std::max(share, 0.0f);  // below by rounding
 }
 
 }  // namespace sonoloft

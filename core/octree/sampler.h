@@ -36,6 +36,7 @@ class Sampler {
   [[nodiscard]] double field_ms() const { return field_ms_; }
 
  private:
+  static constexpr std::uint32_t kNoBlock = 0xFFFFFFFF;
   /// The samples of one job that lie in one cell, and where their shares are
   /// found.
   struct Group {
@@ -55,7 +56,7 @@ class Sampler {
     Eigen::Vector3d normal;
     double offset_mm;
   };
-  struct PinRange {
+  struct Range {
     std::uint32_t first, count;
   };
   /// Room to work in for the samples of one brick, used again for brick after
@@ -65,6 +66,8 @@ class Sampler {
     std::vector<Eigen::Vector3d> points_mm;
     std::vector<std::uint32_t> order;
     PointShares filling;
+    PointWeights rim;
+    std::vector<float> filled;  ///< of the share of a group's points that was not measured, what `filling` gets
   };
   /// The samples of a group.
   [[nodiscard]] std::span<const std::uint16_t> samples_of(const Group& group) const {
@@ -78,8 +81,14 @@ class Sampler {
   void positions_mm(BrickCoord brick, std::span<const std::uint16_t> samples, std::vector<Eigen::Vector3d>& out) const;
   void locate(const SampleJob& job, BrickCoord brick, Scratch& scratch, Located& out) const;
   void pack(std::uint32_t cell);
+  [[nodiscard]] const Rim* rim_at(const CellFace& face, const Eigen::AlignedBox3d& cell) const;
   [[nodiscard]] Result<void> evaluate(const BrickPool& bricks, const std::vector<SampleJob>& jobs);
+  [[nodiscard]] float share(const Group& group, std::size_t slot, std::size_t point) const {
+    return group.block == kNoBlock ? 1.0f
+                                   : batch_.row(group.block, static_cast<std::uint32_t>(slot))[group.lane + point];
+  }
   void store(WorkBrick& brick, const Group& group, Scratch& scratch) const;
+  void fill_from_rims(WorkBrick& brick, const Group& group, Scratch& scratch) const;
   void fill_unmeasured(WorkBrick& brick, const Group& group, Scratch& scratch) const;
   void pin(WorkBrick& brick, const Group& group) const;
 
@@ -93,11 +102,14 @@ class Sampler {
   ScratchPool<Scratch> scratches_;
   std::vector<std::uint32_t> packed_of_cell_;  ///< [cell] index in batch_.cells, kNotPacked
   std::vector<std::uint32_t> cell_of_packed_;
-  std::vector<PinRange> pins_of_packed_;
+  std::vector<Range> pins_of_packed_;
   std::vector<PinPlane> pins_;
+  std::vector<Range> rims_of_packed_;
+  std::vector<const Rim*> rims_;  ///< of the last slots of a cell
   std::vector<CellFace> faces_;
-  std::vector<Located> located_;  ///< [>= #jobs]
-  std::vector<Group> groups_;     ///< by job
+  std::vector<std::uint32_t> apart_;  ///< room to work in
+  std::vector<Located> located_;      ///< [>= #jobs]
+  std::vector<Group> groups_;         ///< by job
   std::size_t evaluated_ = 0, edge_evaluations_ = 0;
   double field_ms_ = 0;
 };

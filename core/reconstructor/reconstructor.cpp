@@ -6,11 +6,13 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "core/background/background.h"
+#include "core/background/rim.h"
 #include "core/cells/cell_complex.h"
 #include "core/completion/published_completion.h"
 #include "core/gpu/make_evaluator.h"
@@ -86,6 +88,7 @@ struct Reconstructor::State {
   CellAdmission admission;
   std::vector<std::uint64_t> slice_ids;  ///< [SliceId] TrackedSlice::id
   std::optional<Background> background;  ///< once there is a need
+  std::map<SliceId, Rim> rims;           ///< of the slices held, once there is a background
   std::optional<PublishedCompletion> completion;
   bool completion_due = false;
   std::array<Level, kDetails> levels;  ///< [Detail]
@@ -96,7 +99,12 @@ struct Reconstructor::State {
   /// Slices that show everything everywhere leave nothing for a background to fill.
   void make_background() {
     background.emplace(options.box, options.background_mm);
-    for (const SliceId slice : cells.slices()) background->add(cells.section(slice));
+    for (const SliceId slice : cells.slices()) add_to_background(slice);
+  }
+
+  void add_to_background(SliceId slice) {
+    background->add(cells.section(slice));
+    rims.emplace(slice, Rim(cells.section(slice), options.background_mm));
   }
 
   void complete() {
@@ -106,13 +114,15 @@ struct Reconstructor::State {
   }
   [[nodiscard]] UnmeasuredFill fill() const {
     if (completion)
-      return [this](CellId cell, std::span<const Eigen::Vector3d> points, PointShares& out) {
-        completion->shares(cell, points, out);
-      };
+      return {[this](CellId cell, std::span<const Eigen::Vector3d> points, PointShares& out) {
+                completion->shares(cell, points, out);
+              },
+              {}};
     if (background)
-      return [this](CellId, std::span<const Eigen::Vector3d> points, PointShares& out) {
-        background->shares(points, out);
-      };
+      return {[this](CellId, std::span<const Eigen::Vector3d> points, PointShares& out) {
+                background->shares(points, out);
+              },
+              [this](SliceId slice) -> const Rim& { return rims.at(slice); }};
     return {};
   }
 
@@ -172,7 +182,7 @@ Result<InsertReport> Reconstructor::add(const TrackedSlice& slice) {
   const auto delta = s.cells.insert(std::move(*section), [&](CellId cell) { return s.width_mm(*widths, cell); });
   if (!delta) return tl::unexpected<Error>(delta.error());
   for (Level& level : s.levels) level.octree.note(s.cells, *delta);
-  if (s.background) s.background->add(s.cells.section(delta->slice));
+  if (s.background) s.add_to_background(delta->slice);
   s.completion_due = s.options.completion == Completion::published;
   s.slice_ids.push_back(slice.id);
   report.cells_reached = delta->reached;
@@ -195,7 +205,10 @@ Result<void> Reconstructor::withdraw(std::uint64_t id) {
   if (found == held.rend())
     return fail(ErrorCode::invalid_argument,
                 "no slice " + std::to_string(id) + " is held: it was refused, or withdrawn before");
-  if (s.background) s.background->remove(s.cells.section(*found));
+  if (s.background) {
+    s.background->remove(s.cells.section(*found));
+    s.rims.erase(*found);
+  }
   s.completion_due = s.options.completion == Completion::published;
   const CellComplex::Withdrawal withdrawal = s.cells.withdraw(*found);
   for (Level& level : s.levels) level.octree.note(s.cells, withdrawal);

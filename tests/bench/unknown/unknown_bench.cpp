@@ -6,6 +6,7 @@
 
 #include "host/apps/measure/overlap.h"
 #include "tests/bench/support/reconstruction.h"
+#include "tests/bench/unknown/pieces.h"
 #include "tests/support/masks.h"
 #include "tests/support/mesh/mesh_check.h"
 
@@ -71,16 +72,9 @@ double iou(const IndexedMesh& mesh, const IndexedMesh& truth) {
   return common / either;
 }
 
-/// Closed surfaces around all labels but outside.
-std::size_t pieces(const test::MeshReport& report) {
-  std::size_t count = 0;
-  for (const auto& [label, of] : report.labels) count += label == kOutside ? 0 : of.components;
-  return count;
-}
-
 /// Sums over the seeds of one set.
 struct Outcome {
-  double iou = 0, ms = 0, pieces = 0, cells = 0;
+  double iou = 0, ms = 0, pieces = 0, spurious = 0, cells = 0;
   bool closed = true;
 };
 
@@ -88,14 +82,16 @@ Outcome measure(const MaskKind& kind, std::span<const TrackedSlice> slices, cons
                 const IndexedMesh& whole, std::uint64_t seeds) {
   Outcome mean;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-    const Reconstruction masked = reconstruct(test::masked(slices, kind.mask, kind.share, seed), options);
-    const test::MeshReport report = test::check_mesh(masked.mesh);
+    const std::vector<TrackedSlice> input = test::masked(slices, kind.mask, kind.share, seed);
+    const Reconstruction masked = reconstruct(input, options);
+    const Pieces pieces = count_pieces(masked.mesh, input, options.spacing_mm);
     const double weight = 1 / static_cast<double>(seeds);
     mean.iou += weight * iou(masked.mesh, whole);
     mean.ms += weight * masked.ms;
-    mean.pieces += weight * static_cast<double>(pieces(report));
+    mean.pieces += weight * static_cast<double>(pieces.all);
+    mean.spurious += weight * static_cast<double>(pieces.spurious);
     mean.cells += weight * static_cast<double>(masked.cells);
-    mean.closed &= report.closed_manifold();
+    mean.closed &= test::check_mesh(masked.mesh).closed_manifold();
   }
   return mean;
 }
@@ -108,7 +104,7 @@ Outcomes measure_set(const std::filesystem::path& file, int depth, std::uint64_t
   options.threads = 2;
   const std::string set = file.stem().string();
   const Reconstruction whole = reconstruct(slices, options);
-  const std::size_t whole_pieces = pieces(test::check_mesh(whole.mesh));
+  const std::size_t whole_pieces = count_pieces(whole.mesh, slices, options.spacing_mm).all;
   std::fprintf(stderr, "%-22s whole: %zu pieces, %zu cells, %.1f ms\n", set.c_str(), whole_pieces, whole.cells,
                whole.ms);
   Outcomes outcomes;
@@ -118,9 +114,10 @@ Outcomes measure_set(const std::filesystem::path& file, int depth, std::uint64_t
     for (const MaskKind& kind : kKinds) {
       const Outcome o = outcomes[way.name][kind.name] = measure(kind, slices, options, whole.mesh, seeds);
       char words[200];
-      std::snprintf(words, sizeof words, "%-22s %-16s %-10s IoU %.4f  %5.1f pieces (%s)  %6.0f cells  %7.1f ms  %s",
-                    set.c_str(), way.name, kind.name, o.iou, o.pieces,
-                    o.pieces <= 2 * static_cast<double>(whole_pieces) ? "reached" : "MISSED", o.cells, o.ms,
+      std::snprintf(words, sizeof words,
+                    "%-22s %-16s %-10s IoU %.4f  %5.1f pieces, %4.1f spurious (%s)  %6.0f cells  %7.1f ms  %s",
+                    set.c_str(), way.name, kind.name, o.iou, o.pieces, o.spurious,
+                    o.spurious <= 2 * static_cast<double>(whole_pieces) ? "reached" : "MISSED", o.cells, o.ms,
                     o.closed ? "closed" : "NOT CLOSED");
       emit({{"bench", "unknown"},
             {"set", set},
@@ -129,6 +126,7 @@ Outcomes measure_set(const std::filesystem::path& file, int depth, std::uint64_t
             {"mask", kind.name},
             {"iou", o.iou},
             {"pieces", o.pieces},
+            {"spurious_pieces", o.spurious},
             {"whole_pieces", whole_pieces},
             {"closed", o.closed},
             {"cells", o.cells},

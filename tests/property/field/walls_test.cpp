@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/background/background.h"
+#include "core/background/rim.h"
 #include "core/field/reference.h"
 #include "tests/support/view_slices.h"
 
@@ -12,35 +13,62 @@ using namespace sonoloft;
 
 namespace {
 
-/// Known shares, and of the rest what the background says.
-std::map<Label, double> filled_field(const CellComplex& cells, const Background& background, const Eigen::Vector3d& p) {
+constexpr Label kUnknownOfFace = 50000;  ///< and the face's index
+
+/// The faces with the unknown part of each labelled as its own. @param polygons  out, holds what they point to
+std::vector<CellFace> told_apart(std::vector<CellFace> faces, std::vector<FacePolygon>& polygons) {
+  polygons.clear();
+  for (const CellFace& face : faces) polygons.push_back(*face.polygon);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    for (FaceEdge& e : polygons[i])
+      for (Label* label : {&e.left, &e.right})
+        if (*label == kUnknown) *label = static_cast<Label>(kUnknownOfFace + i);
+    faces[i].polygon = &polygons[i];
+  }
+  return faces;
+}
+
+/// Known shares, and of the unknown part of every wall what its slice's rim and the background say.
+std::map<Label, double> filled_field(const CellComplex& cells, const Background& background,
+                                     const std::map<SliceId, Rim>& rims, const Eigen::Vector3d& p) {
   std::vector<CellFace> faces;
+  std::vector<FacePolygon> polygons;
   cells.faces(cells.locate(p), faces);
+  faces = told_apart(std::move(faces), polygons);
   PointShares fill;
   background.shares({&p, 1}, fill);
   std::map<Label, double> field;
   for (const auto& [label, share] : reference_shares(faces, p, 1e-9).shares) {
-    if (label != kUnknown) {
+    if (label < kUnknownOfFace) {
       field[label] += share;
       continue;
     }
+    PointWeights rim;
+    if (const auto slice = cells.slice_of(faces[label - kUnknownOfFace].plane)) rims.at(*slice).weigh({&p, 1}, rim);
+    double total = 1;
+    for (const float weight : rim.weight) total += static_cast<double>(weight);
+    for (std::size_t l = 0; l < rim.labels.size(); ++l)
+      field[rim.labels[l]] += share * static_cast<double>(rim.weight[l]) / total;
     for (std::size_t l = 0; l < fill.labels.size(); ++l)
-      field[fill.labels[l]] += share * static_cast<double>(fill.share[l]);
+      field[fill.labels[l]] += share * static_cast<double>(fill.share[l]) / total;
   }
   return field;
 }
 
 }  // namespace
 
-TEST_CASE("field: with the background it is continuous across walls, those that face several cells among them") {
+TEST_CASE("field: with background and rims it is continuous across walls, those that face several cells among them") {
   const Eigen::AlignedBox3d box(Eigen::Vector3d::Constant(-130), Eigen::Vector3d::Constant(130));
   CellComplex cells(box, 0.2);
   Background background(box, 5);
+  std::map<SliceId, Rim> rims;
   const auto frames = test::hand_sweep(1000, 3);
   for (std::size_t i = 0; i < frames.size(); i += 20) {
     const Section section = test::checked_section(test::slice_of_balls(frames[i], test::body(), test::sector_view()));
-    REQUIRE(cells.insert(section));
+    const auto delta = cells.insert(section);
+    REQUIRE(delta);
     background.add(section);
+    rims.emplace(delta->slice, Rim(section, background.spacing_mm()));
   }
   (void)background.update(2);
 
@@ -68,7 +96,7 @@ TEST_CASE("field: with the background it is continuous across walls, those that 
         return (e.a + at * along - q).norm() < 0.5;
       });
       if (beside_border) continue;  // there the field is steep
-      auto above = filled_field(cells, background, upper), below = filled_field(cells, background, lower);
+      auto above = filled_field(cells, background, rims, upper), below = filled_field(cells, background, rims, lower);
       double jump = 0;
       for (const Label label : {Label{0}, Label{1}, Label{2}})
         jump = std::max(jump, std::abs(above[label] - below[label]));

@@ -131,39 +131,6 @@ TEST_CASE("background: its surfaces pass through its seeds") {
   CHECK(found);
 }
 
-TEST_CASE("background: a shadow within a slice is filled with what surrounds it") {
-  Background background(kBox, 2.5);
-  TrackedSlice slice;
-  test::add_contour(slice, {{-40, -40}, {40, -40}, {40, 40}, {-40, 40}}, 1);
-  test::add_contour(slice, test::ring({0, 0}, 5, 24), kUnknown);
-  background.add(test::checked_section(slice));
-  const Vector3d middle(0.3, 0.2, 0);
-  std::vector<float> weight;
-  PointShares shares;
-  background.local(std::span(&middle, 1), weight, shares);
-  MESSAGE("weight in the middle of the shadow: ", weight[0]);
-  CHECK(weight[0] > 0.02f);
-  CHECK(weight[0] < 0.9f);
-  CHECK(shares.share[1] == 1.0f);
-  background.update(1);
-  CHECK(share_at(background, middle, 1) > 0.5f);
-}
-
-TEST_CASE("background: shadows that are large or open to the side stay unknown") {
-  for (const auto& [middle, radius] : {std::pair{Vector3d(0, 0, 0), 15.0}, std::pair{Vector3d(40, 0, 0), 5.0}}) {
-    Background background(kBox, 2.5);
-    TrackedSlice slice;
-    test::add_contour(slice, {{-40, -40}, {40, -40}, {40, 40}, {-40, 40}}, 1);
-    slice.field_of_view = slice.points;
-    test::add_contour(slice, test::ring(middle.head<2>(), radius, 24), kUnknown);
-    background.add(test::checked_section(slice));
-    std::vector<float> weight;
-    PointShares shares;
-    background.local(std::span(&middle, 1), weight, shares);
-    CHECK(weight[0] == 0);
-  }
-}
-
 TEST_CASE("background: a slice that misses the box, and one beyond all bounds, are taken as they are") {
   Background background(kBox, 4);
   background.add(square(500, 40));

@@ -102,6 +102,57 @@ TEST_CASE("field: what is unknown has its share like every label") {
   CHECK(batch.row(0, 3)[0] == doctest::Approx(2.0 / 6).epsilon(1e-6));
 }
 
+TEST_CASE("field: unknown parts of faces that are apart have slots of their own, in the order of the faces") {
+  test::Random random(9);
+  const std::array<Label, 4> labels = {0, 1, 2, kUnknown};
+  const FieldCell cell(test::random_walls(random, 9, labels, 8, 50.0));
+  const std::vector<CellFace> faces = cell.faces();
+  std::vector<std::uint32_t> unknown;
+  for (std::uint32_t i = 0; i < faces.size(); ++i)
+    if (has_unknown(*faces[i].polygon)) unknown.push_back(i);
+  REQUIRE(unknown.size() >= 3);
+  const std::vector<std::uint32_t> apart(unknown.begin() + 1, unknown.end());
+  FieldBatch together, some;
+  const std::vector<Eigen::Vector3d> points(1, cell.centre());
+  together.add_points(together.cells.add(faces, cell.centre()), points);
+  some.add_points(some.cells.add(faces, cell.centre(), apart), points);
+  const auto evaluator = make_cpu_evaluator(1);
+  REQUIRE(evaluator->evaluate(together));
+  REQUIRE(evaluator->evaluate(some));
+  const std::size_t known = together.cells.labels(0).size() - 1;
+  const std::span<const Label> slots = some.cells.labels(0);
+  REQUIRE(slots.size() == known + 1 + apart.size());
+  float sum = 0;
+  for (std::uint32_t slot = 0; slot < slots.size(); ++slot) {
+    const float share = some.row(0, slot)[0];
+    CHECK((slots[slot] == kUnknown) == (slot >= known));
+    CHECK(share > 0);
+    if (slot >= known)
+      sum += share;
+    else
+      CHECK(share == doctest::Approx(together.row(0, slot)[0]).epsilon(1e-5));
+  }
+  CHECK(sum == doctest::Approx(together.row(0, static_cast<std::uint32_t>(known))[0]).epsilon(1e-5));
+
+  // Of one of them alone: all else is known in another cell.
+  FieldBatch last;
+  std::vector<FacePolygon> polygons;
+  for (const CellFace& face : faces) polygons.push_back(*face.polygon);
+  std::vector<CellFace> relabelled = faces;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    if (i != apart.back())
+      for (FaceEdge& e : polygons[i])
+        for (Label* label : {&e.left, &e.right})
+          if (*label == kUnknown) *label = 9;
+    relabelled[i].polygon = &polygons[i];
+  }
+  last.add_points(last.cells.add(relabelled, cell.centre()), points);
+  REQUIRE(evaluator->evaluate(last));
+  const auto end = static_cast<std::uint32_t>(last.cells.labels(0).size() - 1);
+  CHECK(some.row(0, static_cast<std::uint32_t>(slots.size() - 1))[0] ==
+        doctest::Approx(last.row(0, end)[0]).epsilon(1e-5));
+}
+
 TEST_CASE("field: a batch can be evaluated again with more points, other points, and none") {
   const FieldCell cell = cube({7, 7, 7, 7, 0, 0});
   FieldBatch batch;

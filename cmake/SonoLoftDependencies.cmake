@@ -11,6 +11,7 @@ find_package(embree 3 REQUIRED)
 find_package(meshoptimizer REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
+pkg_check_modules(USBREDIRPARSER IMPORTED_TARGET libusbredirparser-0.5)
 
 # Eigen's headers are not held to our warnings.
 get_target_property(_eigen_includes Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)

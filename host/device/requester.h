@@ -17,7 +17,7 @@ namespace sonoloft::device {
 /// statuses into errors. Threads: any but the transport's event thread; one request at a time, others wait.
 class Requester {
  public:
-  static constexpr std::chrono::milliseconds kPatience{2000};
+  static constexpr std::chrono::milliseconds kPatience{1000};
 
   /// @pre `transport` outlives the requester
   explicit Requester(Transport& transport) : transport_(transport) {}

@@ -20,8 +20,10 @@ constexpr std::chrono::milliseconds kBeatPeriod{250};  // the device gives up af
 constexpr std::chrono::milliseconds kBeatPatience{500};
 constexpr std::chrono::milliseconds kStopPatience{300};
 constexpr int kQuietBeats = 4;
-// A stream that stands still: first the pipe is restarted, then the device given up.
-constexpr int kStillBeats = 4, kLostBeats = 12;
+// A stream that stands still is restarted, then the device reset, then given up: this long after each other. One that
+// answers no requests either is only given up; the next start resets it.
+constexpr std::chrono::seconds kStillPatience{1};
+constexpr int kCures = 2;
 
 thread_local const Run* dispatching = nullptr;  // the run whose callbacks this thread calls
 
@@ -62,6 +64,7 @@ Result<void> Run::begin() {
   }
   dispatcher_ = std::jthread([this] { dispatch(); });
   next_beat_ = std::chrono::steady_clock::now() + kBeatPeriod;
+  next_cure_ = next_beat_ + kStillPatience;
   keeper_ = std::jthread([this] { keep(); });
   return {};
 }
@@ -228,10 +231,10 @@ void Run::beat() {
   if (reply) {
     look_for_fault(*reply);
     look_for_end(*reply);
-    look_for_stall(*reply);
   } else if (reply.error().code == ErrorCode::transport_closed) {
-    on_gone();
+    return on_gone();
   }  // any other failure: the next beat may fare better, and the device says so itself when it stops
+  look_for_stall(reply);
 }
 
 void Run::look_for_fault(const protocol::HeartbeatReply& beat) {
@@ -256,17 +259,27 @@ void Run::look_for_end(const protocol::HeartbeatReply& beat) {
   report({EventKind::end_of_data, "the device has nothing more in this session: stop"});
 }
 
-void Run::look_for_stall(const protocol::HeartbeatReply& beat) {
+void Run::look_for_stall(const Result<protocol::HeartbeatReply>& beat) {
+  using Clock = std::chrono::steady_clock;
   {
     const std::lock_guard lock(mutex_);
     const bool held_back =
         plan_.start.mode == static_cast<std::uint16_t>(protocol::StreamMode::lossless) && queue_.full();
-    const bool still = beat.ring_used != 0 && books_.seen() == seen_at_last_look_ && !held_back;
+    const bool has_records = !beat || beat->ring_used != 0;
+    const bool still = has_records && books_.seen() == seen_at_last_look_ && !held_back;
     seen_at_last_look_ = books_.seen();
-    still_beats_ = still ? still_beats_ + 1 : 0;
-    if (still_beats_ == kLostBeats) gone_ = stalled_ = true;
+    if (!still) {
+      cures_ = 0;
+      next_cure_ = Clock::now() + kStillPatience;
+    }
+    if (Clock::now() < next_cure_) return;
+    if (cures_ == kCures) gone_ = stalled_ = true;
+    if (gone_) return;
   }
-  if (still_beats_ == kStillBeats) transport_.restart_stream();
+  if (beat && cures_ == 0) transport_.restart_stream();
+  if (beat && cures_ == 1) transport_.reset_stream();
+  ++cures_;
+  next_cure_ = Clock::now() + kStillPatience;
 }
 
 void Run::report(Event event) {

@@ -46,7 +46,7 @@ class Run final : private TransferSink {
 
   [[nodiscard]] bool on_dispatcher() const;
   [[nodiscard]] bool stopping() const;
-  /// The device went away, or its stream stood still and nothing helped.
+  /// The device went away, or stood still and nothing helped.
   [[nodiscard]] bool lost() const;
   [[nodiscard]] Statistics statistics() const;
 
@@ -66,7 +66,7 @@ class Run final : private TransferSink {
   void synchronise();
   void look_for_fault(const protocol::HeartbeatReply& beat);
   void look_for_end(const protocol::HeartbeatReply& beat);
-  void look_for_stall(const protocol::HeartbeatReply& beat);
+  void look_for_stall(const Result<protocol::HeartbeatReply>& beat);
   void report(Event event);
   void take_down();
 
@@ -83,7 +83,8 @@ class Run final : private TransferSink {
   std::uint64_t seen_at_last_beat_ = 0;
   int quiet_beats_ = 0;
   std::uint64_t seen_at_last_look_ = 0;
-  int still_beats_ = 0;
+  std::chrono::steady_clock::time_point next_cure_{};
+  int cures_ = 0;  ///< tried since the stream stands still
 
   mutable std::mutex mutex_;  ///< guards what follows; never held during a callback or a request
   std::condition_variable to_dispatcher_, to_keeper_, room_;
@@ -91,7 +92,7 @@ class Run final : private TransferSink {
   Books books_;
   std::array<std::uint64_t, protocol::kRejectCount> rejected_{};
   bool stopping_ = false, gone_ = false;
-  bool stalled_ = false;  ///< gone_ in effect, but it still answers
+  bool stalled_ = false;  ///< gone_ in effect, but it may still answer
 
   std::jthread dispatcher_, keeper_;
 };

@@ -62,6 +62,11 @@ class Transport {
   /// such states have nothing to do.
   virtual void restart_stream() {}
 
+  /// That did not help: resets the device as its bus can, and the stream goes on; the device's session outlives it.
+  /// Returns when it is done or has failed, which the sink hears of as of a device that went away. From any thread but
+  /// the event thread, while a stream runs and no request is under way.
+  virtual void reset_stream() {}
+
   /// Looks for the device again after it went away, or resets one that does not come to its senses, so that a session
   /// can go on with it. @pre no stream runs, no other call is under way
   /// @error transport_closed: this bus cannot, or the device is not back; device_not_found, io_failed

@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <cstring>
 #include <functional>
 #include <optional>
@@ -24,19 +25,26 @@ class ScriptedTransport final : public device::Transport {
   explicit ScriptedTransport(Script script) : script_(std::move(script)) {}
 
   Result<std::size_t> control(std::span<const std::byte> request, std::span<std::byte> reply,
-                              std::chrono::milliseconds) override {
+                              std::chrono::milliseconds timeout) override {
     const auto view = protocol::parse_request(request);
     if (!view) return fail(ErrorCode::io_failed, "the test got a request that is none");
     const Answer answer = script_(*view);
-    if (answer.failure) return tl::unexpected(*answer.failure);
+    if (answer.failure) {
+      waited_ += timeout;
+      return tl::unexpected(*answer.failure);
+    }
     const auto id = view->request_id + static_cast<std::uint32_t>(answer.id_offset);
     return protocol::encode_reply(answer.status, id, answer.payload, reply) - answer.cut;
   }
   Result<void> start_stream(device::TransferSink&, std::size_t) override { return {}; }
   void stop_stream() override {}
 
+  /// For answers that never came, had this been a bus.
+  [[nodiscard]] std::chrono::milliseconds waited() const { return waited_; }
+
  private:
   Script script_;
+  std::chrono::milliseconds waited_{0};
 };
 
 template <class T>

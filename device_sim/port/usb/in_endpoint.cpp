@@ -41,7 +41,7 @@ void InEndpoint::halt() {
 void InEndpoint::clear_halt() {
   const std::lock_guard lock(mutex_);
   halted_ = false;
-  message_ = {};
+  message_.reset();
 }
 
 bool InEndpoint::halted() const {
@@ -52,7 +52,7 @@ bool InEndpoint::halted() const {
 void InEndpoint::reset() {
   const std::lock_guard lock(mutex_);
   halted_ = false;
-  message_ = {};
+  message_.reset();
   waiting_.clear();
 }
 
@@ -61,8 +61,8 @@ void InEndpoint::pump() {
   while (true) {
     wake_.wait(lock, [&] { return closing_ || !waiting_.empty(); });
     if (closing_) return;
-    if (message_.empty()) fetch(lock);
-    if (!waiting_.empty() && !message_.empty()) hand_over();
+    if (!message_) fetch(lock);
+    if (!waiting_.empty() && message_) hand_over();
   }
 }
 
@@ -85,9 +85,10 @@ void InEndpoint::hand_over() {
   const Waiting urb = waiting_.front();
   waiting_.pop_front();
   // Whole packets fit, or the last one is too much for the room: then the host loses what it cannot take.
-  const bool overflow = message_.size() > urb.room && urb.room % max_packet_ != 0;
-  const auto part = message_.first(std::min(message_.size(), urb.room));
-  message_ = overflow ? std::span<const std::byte>{} : message_.subspan(part.size());
+  const bool overflow = message_->size() > urb.room && urb.room % max_packet_ != 0;
+  const auto part = message_->first(std::min(message_->size(), urb.room));
+  const auto rest = message_->subspan(part.size());
+  message_ = overflow || rest.empty() ? std::nullopt : std::optional(rest);
   done_({urb.id, overflow ? UrbStatus::overflow : UrbStatus::ok, part, part.size()});
 }
 

@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <thread>
 #include <vector>
@@ -60,8 +61,8 @@ class InEndpoint {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Waiting> waiting_;
-  std::vector<std::byte> buffer_;       ///< the pump's while it fetches
-  std::span<const std::byte> message_;  ///< what is left of it
+  std::vector<std::byte> buffer_;                      ///< the pump's while it fetches
+  std::optional<std::span<const std::byte>> message_;  ///< what is left of it: no bytes are a message, too
   bool halted_ = false, gone_ = false, closing_ = false;
   std::jthread thread_;
 };

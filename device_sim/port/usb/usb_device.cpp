@@ -101,8 +101,12 @@ void UsbDevice::serve_control() {
       unanswered_.push_back(urb.id);
       continue;
     }
+    if (!urb.setup.to_host()) {
+      done_({urb.id, a.data.empty() ? a.status : UrbStatus::stalled, {}, urb.data.size()});
+      continue;
+    }
     const auto data = a.data.first(std::min<std::size_t>(a.data.size(), urb.setup.length));
-    done_({urb.id, a.status, data, urb.setup.to_host() ? data.size() : urb.data.size()});
+    done_({urb.id, a.status, data, data.size()});
   }
 }
 

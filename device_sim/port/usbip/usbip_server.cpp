@@ -1,7 +1,5 @@
 #include "device_sim/port/usbip/usbip_server.h"
 
-#include <arpa/inet.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
@@ -9,8 +7,9 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <utility>
+
+#include "device_sim/port/local_listener.h"
 
 namespace sonoloft::device_sim::usbip {
 namespace {
@@ -19,39 +18,11 @@ constexpr std::size_t kMaxClients = 16;
 constexpr std::size_t kMaxPending = 4096;  // URBs; Linux has about 16 under way
 constexpr std::size_t kReceiveLen = 1u << 16;
 
-struct Listener {
-  int socket;
-  std::uint16_t port;
-};
-
-// -1 and errno where the port cannot be had.
-Listener listen_on(std::uint16_t port) {
-  sockaddr_in address{};
-  socklen_t len = sizeof address;
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  auto* generic = reinterpret_cast<sockaddr*>(&address);
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  const int on = 1;
-  setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  if (bind(socket, generic, len) != 0 || listen(socket, kMaxClients) != 0 || getsockname(socket, generic, &len) != 0) {
-    const int cause = errno;
-    close(socket);
-    errno = cause;
-    return {-1, 0};
-  }
-  return {socket, ntohs(address.sin_port)};
-}
-
 }  // namespace
 
 UsbipServer::Made UsbipServer::start(protocol::Port& port, const usb::UsbIdentity& identity, std::uint16_t tcp_port) {
-  const Listener listener = listen_on(tcp_port);
-  if (listener.socket < 0) {
-    return {nullptr, "TCP port " + std::to_string(tcp_port) + " cannot be served: " + std::strerror(errno) +
-                         ": stop what uses it, or give another one"};
-  }
+  LocalListener listener = listen_locally(tcp_port);
+  if (!listener.error.empty()) return {nullptr, std::move(listener.error)};
   const int wake = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
   return {std::unique_ptr<UsbipServer>(new UsbipServer(port, identity, listener.socket, wake, listener.port)), {}};
 }
@@ -108,14 +79,12 @@ bool UsbipServer::gather(std::vector<pollfd>& polled) {
 }
 
 void UsbipServer::accept_client() {
-  const int socket = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  const int socket = device_sim::accept_client(listener_);
   if (socket < 0) return;
   if (clients_.size() == kMaxClients) {
     close(socket);
     return;
   }
-  const int on = 1;
-  setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   clients_.push_back({socket});
 }
 

@@ -68,6 +68,14 @@ void UsbStream::restart() {
   wake_.notify_all();
 }
 
+void UsbStream::reset() {
+  std::unique_lock lock(mutex_);
+  resetting_ = halted_ = true;
+  cancel_all();
+  wake_.notify_all();
+  wake_.wait_for(lock, kPatience, [&] { return !resetting_ || gone_; });
+}
+
 // ---- libusb's event thread
 
 void UsbStream::on_completed(libusb_transfer* transfer) {
@@ -143,10 +151,14 @@ void UsbStream::hand_over(std::unique_lock<std::mutex>& lock) {
 void UsbStream::mend(std::unique_lock<std::mutex>& lock) {
   if (halted_ && active_ == 0) {
     halted_ = false;
+    const bool reset = resetting_;
     lock.unlock();
-    const int cleared = libusb_clear_halt(handle_, endpoint_);
+    const int mended = reset ? libusb_reset_device(handle_) : libusb_clear_halt(handle_, endpoint_);
     lock.lock();
-    if (cleared == LIBUSB_ERROR_NO_DEVICE) gone_ = true;
+    if (reset) resetting_ = false;
+    wake_.notify_all();
+    // A device that is another one after a reset has to be opened again.
+    if (mended == LIBUSB_ERROR_NO_DEVICE || (reset && mended != 0)) gone_ = true;
   } else if (failed_) {
     failed_ = false;
     if (++failures_ > kMaxFailures) gone_ = true;

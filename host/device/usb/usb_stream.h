@@ -17,7 +17,7 @@ namespace sonoloft::device {
 
 /// The bulk transfers of one stream. libusb's event thread gathers finished ones, a thread of the stream hands their
 /// buffers to the sink where they lie and submits them again: a sink that blocks holds nothing up but its own stream.
-/// Threads: one at a time, but for restart(), which any thread may call that is not the sink's.
+/// Threads: one at a time, but for restart() and reset(), which any thread may call that is not the sink's.
 class UsbStream {
  public:
   /// `count` transfers of `size` bytes on `endpoint`.
@@ -36,6 +36,8 @@ class UsbStream {
 
   /// Takes all transfers back, clears the endpoint's halt and submits them again.
   void restart();
+  /// The same with a reset of the device's port; returns when that is over.
+  void reset();
 
  private:
   struct Slot {
@@ -66,6 +68,7 @@ class UsbStream {
   std::size_t active_ = 0;   ///< with the kernel
   int failures_ = 0;         ///< in a row
   int refusal_ = 0;          ///< why the last submission failed
+  bool resetting_ = false;
   bool halted_ = false, failed_ = false, gone_ = false, stopping_ = false, abandoned_ = false;
   std::jthread thread_;
 };

@@ -159,6 +159,10 @@ void UsbTransport::restart_stream() {
   if (stream_) stream_->restart();
 }
 
+void UsbTransport::reset_stream() {
+  if (stream_) stream_->reset();
+}
+
 Result<void> UsbTransport::reopen() {
   assert(!stream_);
   if (!gone_ && libusb_reset_device(handle_->libusb()) == 0) return {};

@@ -31,6 +31,7 @@ class UsbTransport final : public Transport {
   [[nodiscard]] Result<void> start_stream(TransferSink& sink, std::size_t max_record) override;
   void stop_stream() override;
   void restart_stream() override;
+  void reset_stream() override;
 
   /// A device that is still there is reset as a port reset does; one that left is looked for by its serial number.
   /// @error also device_not_found: it is not back yet

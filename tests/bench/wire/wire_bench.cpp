@@ -1,5 +1,7 @@
-// What the wire carries a second and core, from firmware over the loopback to the session's callback with all checks
-// on, and how late a slice is at 60 Hz.  bench_wire
+// What the wire carries a second and core, from firmware to the session's callback with all checks on, and how late a
+// slice is at 60 Hz: over the loopback, and over USB/IP, whose server and TCP are not part of a real probe's way.
+// bench_wire
+#include <array>
 #include <condition_variable>
 #include <ctime>
 #include <memory>
@@ -10,6 +12,7 @@
 #include "host/device/session.h"
 #include "tests/bench/support/figures.h"
 #include "tests/support/wire_slices.h"
+#include "tests/usb/usbip/served_transport.h"
 
 namespace {
 
@@ -19,6 +22,19 @@ using namespace sonoloft::bench;
 constexpr std::uint32_t kContours = 20, kPointsEach = 200;  // the usual slice: 32 KB
 constexpr std::uint32_t kSlices = 20'000, kPacedSlices = 900;
 constexpr double kPacedHz = 60;
+
+std::unique_ptr<device::Transport> connect_loopback(protocol::Port& port, const device_sim::usb::UsbIdentity&) {
+  return std::make_unique<device::LoopbackTransport>(port);
+}
+
+struct Bus {
+  const char* name;
+  std::string figure;  ///< the beginning of its figures' names
+  decltype(&connect_loopback) connect;
+};
+
+const std::array<Bus, 2> kBuses{
+    {{"wire", "wire", connect_loopback}, {"wire over USB/IP", "wire_usbip", test::serve_over_usbip}}};
 
 /// The same slice over and over, taken the moment that it is asked for.
 device_sim::SliceSource usual_slices(std::uint32_t count) {
@@ -42,12 +58,13 @@ double ms(std::chrono::nanoseconds time) {
   return static_cast<double>(time.count()) * 1e-6;
 }
 
-Arrivals stream(std::uint32_t slices, std::optional<double> rate_hz, device::StreamMode mode) {
+Arrivals stream(const Bus& bus, std::uint32_t slices, std::optional<double> rate_hz, device::StreamMode mode) {
   device_sim::LoopbackOptions options;
   options.firmware.calibration = {test::kTestCalibrationId, 0, {0.2, 0, 0, 0, 0, 0.2, 0, 0, 0, 0, 1, 0}};
   options.rate_hz = rate_hz;
   device_sim::LoopbackDevice device(options, usual_slices(slices));
-  const auto session = or_exit(device::Session::open(std::make_unique<device::LoopbackTransport>(device.port())));
+  const auto session = or_exit(device::Session::open(bus.connect(
+      device.port(), {options.firmware.serial.data(), device_sim::record_slot_len(options.firmware.limits)})));
 
   Arrivals arrivals;
   std::mutex mutex;
@@ -77,28 +94,27 @@ Arrivals stream(std::uint32_t slices, std::optional<double> rate_hz, device::Str
   return arrivals;
 }
 
-void measure_throughput() {
+void measure_throughput(const Bus& bus) {
   auto slice = test::make_wire_slice(1, kContours, kPointsEach);
   const double record = static_cast<double>(test::make_record(slice.view()).size());
-  const Arrivals a = stream(kSlices, std::nullopt, device::StreamMode::lossless);
+  const Arrivals a = stream(bus, kSlices, std::nullopt, device::StreamMode::lossless);
   const double mb = record * static_cast<double>(a.statistics.ledger.delivered) * 1e-6;
   char words[200];
-  std::snprintf(words, sizeof words, "wire: %.0f MB/s a core (goal 40), %.0f MB/s as it ran; %llu slices of %.1f KB%s",
-                mb / a.cpu_s, mb / a.wall_s, 0ull + a.statistics.ledger.delivered, record * 1e-3,
+  std::snprintf(words, sizeof words, "%s: %.0f MB/s a core (goal 40), %.0f MB/s as it ran; %llu slices of %.1f KB%s",
+                bus.name, mb / a.cpu_s, mb / a.wall_s, 0ull + a.statistics.ledger.delivered, record * 1e-3,
                 a.statistics.ledger.closed ? "" : ", books not closed");
-  emit({{"bench", "wire"}, {"mb_per_s_core", mb / a.cpu_s}, {"mb_per_s", mb / a.wall_s}}, words);
+  emit({{"bench", bus.figure}, {"mb_per_s_core", mb / a.cpu_s}, {"mb_per_s", mb / a.wall_s}}, words);
 }
 
-void measure_latency() {
-  const Arrivals a = stream(kPacedSlices, kPacedHz, device::StreamMode::live);
+void measure_latency(const Bus& bus) {
+  const Arrivals a = stream(bus, kPacedSlices, kPacedHz, device::StreamMode::live);
   char words[200];
-  std::snprintf(
-      words, sizeof words,
-      "wire at %.0f Hz: arrival to callback p50 %.3f, p99 %.3f ms (goal 2); acquisition to callback p50 %.3f, "
-      "p99 %.3f ms; %llu of %llu delivered",
-      kPacedHz, median(a.callback_ms), quantile(a.callback_ms, 0.99), median(a.whole_way_ms),
-      quantile(a.whole_way_ms, 0.99), 0ull + a.statistics.ledger.delivered, 0ull + a.statistics.ledger.made);
-  emit({{"bench", "wire_latency"},
+  std::snprintf(words, sizeof words,
+                "%s at %.0f Hz: arrival to callback p50 %.3f, p99 %.3f ms (goal 2); acquisition to callback p50 %.3f, "
+                "p99 %.3f ms; %llu of %llu delivered",
+                bus.name, kPacedHz, median(a.callback_ms), quantile(a.callback_ms, 0.99), median(a.whole_way_ms),
+                quantile(a.whole_way_ms, 0.99), 0ull + a.statistics.ledger.delivered, 0ull + a.statistics.ledger.made);
+  emit({{"bench", bus.figure + "_latency"},
         {"callback_p50_ms", median(a.callback_ms)},
         {"callback_p99_ms", quantile(a.callback_ms, 0.99)},
         {"whole_way_p50_ms", median(a.whole_way_ms)},
@@ -109,6 +125,8 @@ void measure_latency() {
 }  // namespace
 
 int main() {
-  measure_throughput();
-  measure_latency();
+  for (const Bus& bus : kBuses) {
+    measure_throughput(bus);
+    measure_latency(bus);
+  }
 }

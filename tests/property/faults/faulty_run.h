@@ -4,6 +4,7 @@
 
 #include "device_sim/port/fault/fault_plan.h"
 #include "host/device/ledger.h"
+#include "tests/property/faults/bus.h"
 
 namespace sonoloft::test {
 
@@ -14,7 +15,8 @@ struct FaultyRun {
   std::string complaint;       ///< the first thing that was not as it must be; empty: none
 };
 
-/// Streams `records` slices over a cable with faults, lossless, after a short session without any.
-[[nodiscard]] FaultyRun faulty_run(device_sim::FaultKind kind, std::uint32_t seed, std::uint32_t records);
+/// Streams `records` slices over a bus with faults, lossless, after a short session without any.
+[[nodiscard]] FaultyRun faulty_run(const Bus& bus, device_sim::FaultKind kind, std::uint32_t seed,
+                                   std::uint32_t records);
 
 }  // namespace sonoloft::test

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "tests/support/loopback_bench.h"
 
@@ -21,6 +22,16 @@ inline device_sim::SliceSource numbered_small_slices(std::uint64_t count) {
     if (next == count) return nullptr;
     *current = make_numbered(next++);
     return &current->view();
+  };
+}
+
+/// The same; from the `first`-th on they wait for `open`.
+inline device_sim::SliceSource gated_slices(std::uint64_t count, std::uint64_t first,
+                                            std::shared_ptr<const std::atomic<bool>> open) {
+  return [=, next = std::uint64_t{0}, slices = numbered_small_slices(count)]() mutable {
+    while (next >= first && !*open) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ++next;
+    return slices();
   };
 }
 
@@ -45,9 +56,9 @@ class Witness {
   }
 
   std::atomic<std::uint64_t> delivered = 0;
-  std::uint64_t wrong = 0;          ///< altered, never sent, or out of order
-  std::uint64_t disconnected = 0;   ///< events
-  std::uint64_t after_the_end = 0;  ///< callbacks after disconnected
+  std::uint64_t wrong = 0;                      ///< altered, never sent, or out of order
+  std::atomic<std::uint64_t> disconnected = 0;  ///< events
+  std::uint64_t after_the_end = 0;              ///< callbacks after disconnected
 
  private:
   void look_at(const device::DeliveredSlice& slice) {

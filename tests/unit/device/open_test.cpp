@@ -28,17 +28,20 @@ protocol::InfoReply good_info() {
   return info;
 }
 
+Answer answer(const protocol::InfoReply& info, const protocol::RequestView& request) {
+  switch (request.command) {
+    case Command::get_info:
+      return {.payload = payload_of(info)};
+    case Command::get_calibration:
+      return {.payload = payload_of(protocol::CalibrationMessage{1, 0, {.2, 0, 0, 0, 0, .2, 0, 0, 0, 0, 1, 0}})};
+    default:
+      return {};
+  }
+}
+
 Result<std::unique_ptr<device::Session>> open_with(const protocol::InfoReply& info) {
-  return device::Session::open(std::make_unique<ScriptedTransport>([info](const protocol::RequestView& r) -> Answer {
-    switch (r.command) {
-      case Command::get_info:
-        return {.payload = payload_of(info)};
-      case Command::get_calibration:
-        return {.payload = payload_of(protocol::CalibrationMessage{1, 0, {.2, 0, 0, 0, 0, .2, 0, 0, 0, 0, 1, 0}})};
-      default:
-        return {};
-    }
-  }));
+  return device::Session::open(
+      std::make_unique<ScriptedTransport>([info](const auto& request) { return answer(info, request); }));
 }
 
 Error error_with(auto edit) {
@@ -120,4 +123,24 @@ TEST_CASE("open: random answers of a device never do more than fail") {
     if (!session) REQUIRE_FALSE(session.error().message.empty());
   }
   CHECK(opened < 2000);
+}
+
+TEST_CASE("open: a device that falls silent, at whatever request, is waited for less than 2 s") {
+  constexpr std::chrono::seconds kLongest{2};
+  bool started = false;
+  for (int answers = 0; !started; ++answers) {
+    CAPTURE(answers);
+    auto made = std::make_unique<ScriptedTransport>([left = answers](const auto& request) mutable -> Answer {
+      if (left-- > 0) return answer(good_info(), request);
+      return {.failure = Error{ErrorCode::timed_out, "the test is silent"}};
+    });
+    const ScriptedTransport& transport = *made;
+    const auto session = device::Session::open(std::move(made));
+    if (!session) {
+      REQUIRE(answers < 3);
+      continue;
+    }
+    started = (*session)->start({}, {}).has_value();
+    if (!started) CHECK(transport.waited() < kLongest);
+  }
 }

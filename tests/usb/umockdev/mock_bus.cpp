@@ -153,11 +153,12 @@ void MockProbe::unplug() {
   umockdev_testbed_remove_device(bus_.testbed(), syspath_.c_str());
 }
 
-void MockProbe::freeze_until(Cure cure) {
+void MockProbe::freeze_until(Cure cure, int times) {
   std::map<std::uint64_t, Waiting> waiting;
   {
     const std::lock_guard lock(mutex_);
     frozen_until_ = cure;
+    cures_left_ = times;
     waiting = waiting_;
   }
   for (const auto& [id, urb] : waiting) {
@@ -167,7 +168,7 @@ void MockProbe::freeze_until(Cure cure) {
 
 void MockProbe::thaw(Cure cure) {
   const std::lock_guard lock(mutex_);
-  if (frozen_until_ == cure) frozen_until_.reset();
+  if (frozen_until_ == cure && --cures_left_ == 0) frozen_until_.reset();
 }
 
 void MockProbe::submit(Urb urb) {

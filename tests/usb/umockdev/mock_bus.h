@@ -52,9 +52,9 @@ class MockProbe {
   /// What waits ends as gone, the node hangs up, the hotplug monitor is told, the port is free. The probe itself stays,
   /// for libusb may still hold the node open.
   void unplug();
-  /// Bulk transfers complete no more until the host does what helps; control transfers do.
+  /// Bulk transfers complete no more until the host does what helps, `times` times; control transfers do.
   enum class Cure { clear_halt, reset };
-  void freeze_until(Cure cure);
+  void freeze_until(Cure cure, int times = 1);
   /// The stream's endpoint stalls until the host clears it.
   void halt();
   /// Nobody but root may open it.
@@ -107,6 +107,7 @@ class MockProbe {
   int clear_halts_ = 0, resets_ = 0;
   bool gone_ = false;
   std::optional<Cure> frozen_until_;
+  int cures_left_ = 0;
 
   std::mutex device_mutex_;  ///< before mutex_, never in a completion
   std::optional<device_sim::usb::UsbDevice> device_;

@@ -57,4 +57,9 @@ inline void check_in_order(const std::vector<std::shared_ptr<const device::Deliv
   for (std::size_t i = 0; i < slices.size(); ++i) REQUIRE(slices[i]->slice.id == i);
 }
 
+/// What a live stream keeps to, however slow the machine.
+inline void check_rising(const std::vector<std::shared_ptr<const device::DeliveredSlice>>& slices) {
+  for (std::size_t i = 1; i < slices.size(); ++i) REQUIRE(slices[i]->slice.id > slices[i - 1]->slice.id);
+}
+
 }  // namespace sonoloft::test

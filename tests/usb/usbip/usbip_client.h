@@ -9,7 +9,8 @@
 
 namespace sonoloft::test {
 
-/// A host's end of USB/IP, by the book and without a kernel. Calls wait, at most 60 s. Threads: one reads, one writes.
+/// A host's end of USB/IP, by the book and without a kernel. Calls wait, at most 60 s; a server that is none throws.
+/// Threads: one reads, one writes.
 class UsbipClient {
  public:
   struct Reply {
@@ -29,6 +30,8 @@ class UsbipClient {
   [[nodiscard]] std::optional<std::vector<std::byte>> receive(std::size_t size);
   /// Ends both directions, so that a waiting receive() returns.
   void shut_down();
+  /// Does so when this many bytes more were sent.
+  void cut_after(std::size_t bytes) { left_ = bytes; }
 
   /// OP_REQ_DEVLIST. @return the whole reply for one device with one interface
   [[nodiscard]] std::vector<std::byte> list();
@@ -39,7 +42,7 @@ class UsbipClient {
   /// @return the sequence number
   std::uint32_t submit(std::uint32_t endpoint, std::uint32_t length);
   std::uint32_t submit_control(std::uint8_t request_type, std::uint8_t request, std::uint16_t value,
-                               std::uint16_t length, std::span<const std::byte> data = {});
+                               std::uint16_t length, std::span<const std::byte> data = {}, std::uint16_t index = 0);
   std::uint32_t unlink(std::uint32_t seqnum);
   [[nodiscard]] std::optional<Reply> next_reply();
 
@@ -48,6 +51,7 @@ class UsbipClient {
                         std::uint32_t length, std::span<const std::byte> setup, std::span<const std::byte> data);
 
   int socket_;
+  std::size_t left_ = SIZE_MAX;  ///< bytes that may still be sent
   std::uint32_t next_seqnum_ = 1;
   std::mutex mutex_;
   std::set<std::uint32_t> inbound_;  ///< IN transfers under way

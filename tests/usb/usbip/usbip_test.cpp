@@ -10,6 +10,7 @@
 
 #include "device_sim/port/usbip/usbip_server.h"
 #include "protocol/usb.h"
+#include "tests/support/hanging_port.h"
 #include "tests/support/loopback_bench.h"
 #include "tests/usb/usbip/usbip_client.h"
 #include "tests/usb/usbip/usbip_transport.h"
@@ -39,24 +40,6 @@ std::unique_ptr<device::Session> open_over(const UsbipServer& server, UsbipTrans
   if (!session) FAIL(session.error().message);
   return std::move(*session);
 }
-
-/// A port whose transfers never end, until it is let go.
-class HangingPort final : public protocol::Port {
- public:
-  ~HangingPort() = default;
-  protocol::PortTransfer control(std::span<const std::byte>, std::span<std::byte>) override { return hang(); }
-  protocol::PortTransfer read(std::span<std::byte>, std::uint32_t) override { return hang(); }
-  void cancel_reads() override { release(); }
-  void allow_reads() override {}
-  void release() { released_ = true, released_.notify_all(); }
-
- private:
-  protocol::PortTransfer hang() {
-    released_.wait(false);
-    return {protocol::PortStatus::gone, 0};
-  }
-  std::atomic<bool> released_ = false;
-};
 
 /// A port that answers no request, and whose stream is halted until that is cleared.
 class TroubledPort final : public protocol::Port {
@@ -191,6 +174,9 @@ TEST_CASE("usbip: requests that make no sense stall, and the next one is answere
     REQUIRE(reply);
     CHECK(reply->status == kStalled);
   }
+  // What sends to the device gets nothing back.
+  (void)client.submit_control(0x00, 0, 0, 2, std::array<std::byte, 2>{});
+  CHECK(client.next_reply()->status == kStalled);
   (void)client.submit(5, 64);
   CHECK(client.next_reply()->status == kStalled);
   (void)client.submit_control(0x80, 6, 0x0303, 255);
@@ -244,6 +230,40 @@ TEST_CASE("usbip: whatever bytes come, the connection ends or is answered and th
   }
   UsbipClient last(server->tcp_port());
   CHECK(last.list().size() == 328);
+}
+
+TEST_CASE("usbip: the connection may be cut at every byte of a request and of a record, the next host is served") {
+  device_sim::LoopbackDevice loopback(loopback_options(), numbered_slices(1u << 30));
+  const auto server = serve(loopback.port());
+  std::array<std::byte, protocol::kMaxRequestLen> memory{};
+  const auto ask = [&](UsbipClient& client, protocol::Command command, std::span<const std::byte> payload) {
+    const auto size = protocol::encode_request(command, 1, payload, memory);
+    (void)client.submit_control(0x41, 1, 0, static_cast<std::uint16_t>(size), std::span(memory).first(size));
+  };
+  const std::size_t reply = 48, record = make_record(make_wire_slice(0).view()).size();
+  const std::size_t request = 48 + sizeof(protocol::RequestHeader) + sizeof(protocol::StartRequest);
+  for (std::size_t cut = 0; cut <= request + reply + record; ++cut) {
+    CAPTURE(cut);
+    UsbipClient client(server->tcp_port());
+    while (client.import() != 0) {  // until the last one's end has come
+    }
+    ask(client, protocol::Command::stop, {});
+    REQUIRE(client.next_reply());
+    if (cut < request) client.cut_after(cut);
+    ask(client, protocol::Command::start,
+        protocol::bytes_of(protocol::StartRequest{7, protocol::kSliceStream, 1, 1, 0}));
+    if (cut < request) continue;
+    REQUIRE(client.next_reply()->status == 0);
+    (void)client.submit(1, 1u << 16);
+    REQUIRE(client.receive(cut - request));
+  }
+  Inbox inbox;
+  auto session = open_over(*server);
+  REQUIRE(session->start(kLossless, inbox.callbacks()));
+  REQUIRE(inbox.wait_for_slices(10));
+  session->stop();
+  check_closed(session->ledger());
+  CHECK(session->ledger().foreign == 0);
 }
 
 TEST_CASE("usbip: a device that hangs holds up nothing but its own transfers") {

@@ -26,10 +26,22 @@ class UsbipTransport final : public device::Transport {
 
  private:
   using Reply = UsbipClient::Reply;
+  using Lock = std::unique_lock<std::mutex>;
 
   void read_replies();
-  Result<Reply> wait_for(std::uint32_t seqnum, std::chrono::milliseconds timeout);
+  /// How a transfer ended; one that has not after `timeout` is taken back.
+  Result<Reply> finish(std::uint32_t seqnum, std::chrono::milliseconds timeout);
+  std::optional<Reply> take(std::uint32_t seqnum);
+  /// Nothing where the transfer was cancelled.
+  std::optional<Reply> take_back(Lock& lock, std::uint32_t seqnum);
+  template <class Submit>
+  std::uint32_t submit(const Submit& submit);
+
   void pass_on(device::TransferSink& sink);
+  void submit_transfers();
+  void hand_over(Lock& lock, const Reply& reply, device::TransferSink& sink);
+  void take_all_back(Lock& lock, device::TransferSink& sink);
+  void clear_halt();
 
   UsbipClient client_;
   std::mutex write_mutex_;

@@ -1,0 +1,151 @@
+#include "device_sim/port/functionfs/functionfs_device.h"
+
+#include <endian.h>
+#include <fcntl.h>
+#include <linux/usb/functionfs.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "device_sim/port/functionfs/function_words.h"
+
+namespace sonoloft::device_sim::functionfs {
+
+using usb::SetupPacket;
+using usb::UrbStatus;
+
+namespace {
+
+constexpr const char* kRemedy = ": mount a functionfs there and run as its owner, one program at a time";
+
+bool write_all(int file, std::span<const std::byte> bytes) {
+  return ::write(file, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
+}
+
+SetupPacket setup_of(const usb_ctrlrequest& request) {
+  return {request.bRequestType, request.bRequest, le16toh(request.wValue), le16toh(request.wIndex),
+          le16toh(request.wLength)};
+}
+
+}  // namespace
+
+FunctionfsDevice::Made FunctionfsDevice::start(protocol::Port& port, const usb::UsbIdentity& identity,
+                                               const std::string& directory) {
+  Files files;
+  auto error = open_files(directory, usb::Descriptors(identity.serial), files);
+  if (!error.empty()) {
+    if (files.control >= 0) close(files.control);
+    return {nullptr, std::move(error)};
+  }
+  std::unique_ptr<FunctionfsDevice> made(new FunctionfsDevice(port, identity, files));
+  if (!made->writer_.ready()) return {nullptr, "no asynchronous I/O to be had: raise /proc/sys/fs/aio-max-nr"};
+  return {std::move(made), {}};
+}
+
+// Cause and remedy where they cannot be had. The endpoint's file is there as soon as the function has said what it is.
+std::string FunctionfsDevice::open_files(const std::string& directory, const usb::Descriptors& descriptors,
+                                         Files& files) {
+  const std::string control = directory + "/ep0", stream = directory + "/ep1";
+  files.control = open(control.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (files.control < 0) return control + " cannot be opened: " + std::strerror(errno) + kRemedy;
+  if (!write_all(files.control, function_descriptors(descriptors)) || !write_all(files.control, function_strings())) {
+    return control + " does not take the descriptors: " + std::strerror(errno) + kRemedy;
+  }
+  files.stream = open(stream.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+  if (files.stream < 0) return stream + " cannot be opened: " + std::strerror(errno) + kRemedy;
+  return {};
+}
+
+FunctionfsDevice::FunctionfsDevice(protocol::Port& port, const usb::UsbIdentity& identity, Files files)
+    : files_(files),
+      max_record_(identity.max_record),
+      writer_(completions_.event()),
+      device_(port, identity, [this](const usb::UrbDone& done) { completions_.add(done); }),
+      thread_([this] { serve(); }) {}
+
+FunctionfsDevice::~FunctionfsDevice() {
+  stopping_ = true;
+  completions_.wake();
+  thread_.join();
+  close(files_.stream);
+  close(files_.control);
+}
+
+void FunctionfsDevice::serve() {
+  while (!stopping_) {
+    for (usb::Completion& done : completions_.take()) finish(done);
+    ask_for_record();
+    // While the host waits for an answer the file is always ready, for the answer.
+    pollfd polled[] = {{completions_.event(), POLLIN, 0}, {answer_id_ != 0 ? -1 : files_.control, POLLIN, 0}};
+    if (poll(polled, 2, -1) > 0 && polled[1].revents != 0) take_event();
+  }
+}
+
+void FunctionfsDevice::take_event() {
+  usb_functionfs_event event;
+  if (::read(files_.control, &event, sizeof event) != sizeof event) return;
+  switch (event.type) {
+    case FUNCTIONFS_ENABLE:
+      enabled_ = true;
+      break;
+    case FUNCTIONFS_DISABLE:
+    case FUNCTIONFS_UNBIND:
+      disable();
+      break;
+    case FUNCTIONFS_SETUP:
+      ask(setup_of(event.u.setup));
+      break;
+    default:
+      break;
+  }
+}
+
+void FunctionfsDevice::disable() {
+  enabled_ = false;
+  device_.reset();
+  record_id_ = 0;
+}
+
+void FunctionfsDevice::ask(const SetupPacket& setup) {
+  usb::Urb urb{.id = ++last_id_, .endpoint = 0, .setup = setup, .room = setup.length};
+  asked_ = setup;
+  if (setup.to_host()) {
+    answer_id_ = urb.id;
+  } else {
+    if (setup.length == 0 || setup.length > protocol::kMaxRequestLen) return stall(setup);
+    urb.data.resize(setup.length);
+    if (::read(files_.control, urb.data.data(), setup.length) != setup.length) return;  // the host gave up
+  }
+  device_.submit(std::move(urb));
+}
+
+void FunctionfsDevice::ask_for_record() {
+  if (!enabled_ || record_id_ != 0 || writer_.busy()) return;
+  record_id_ = ++last_id_;
+  device_.submit({.id = record_id_, .endpoint = usb::kStreamIn, .room = max_record_});
+}
+
+void FunctionfsDevice::finish(usb::Completion& done) {
+  if (done.id == record_id_) {
+    record_id_ = 0;
+    enabled_ &= done.status == UrbStatus::ok;
+    if (enabled_) writer_.begin(files_.stream, std::move(done.data));
+  } else if (done.id == answer_id_) {
+    answer_id_ = 0;
+    if (done.status != UrbStatus::ok) return stall(asked_);
+    (void)write_all(files_.control, done.data);  // else the host gave up
+  }
+}
+
+// By the wrong direction, as functionfs has it.
+void FunctionfsDevice::stall(const SetupPacket& setup) {
+  const ssize_t stalled = setup.to_host() ? ::read(files_.control, nullptr, 0) : ::write(files_.control, nullptr, 0);
+  (void)stalled;
+}
+
+}  // namespace sonoloft::device_sim::functionfs

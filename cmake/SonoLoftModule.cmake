@@ -28,14 +28,17 @@ if(SONOLOFT_SANITIZE)
   target_link_options(sonoloft_flags INTERFACE -fsanitize=${SONOLOFT_SANITIZE})
 endif()
 
-# sonoloft_module(<name> SOURCES ... HEADERS ... [PUBLIC libs...] [PRIVATE libs...])
+# sonoloft_module(<name> SOURCES ... HEADERS ... [PUBLIC libs...] [PRIVATE libs...] [INCLUDES_FROM folder])
 #   declares the static library sonoloft_<name>, alias sonoloft::<name>; HEADERS are public and must compile alone.
-#   Includes are written from the root of the house: "core/cells/cell_complex.h".
+#   Includes are written from the root of the house, "core/cells/cell_complex.h", or from the folder that is given.
 function(sonoloft_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "INCLUDES_FROM" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
+  if(NOT ARG_INCLUDES_FROM)
+    set(ARG_INCLUDES_FROM "${PROJECT_SOURCE_DIR}")
+  endif()
   add_library(sonoloft_${name} STATIC ${ARG_SOURCES})
   add_library(sonoloft::${name} ALIAS sonoloft_${name})
-  target_sources(sonoloft_${name} PUBLIC FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}" FILES ${ARG_HEADERS})
+  target_sources(sonoloft_${name} PUBLIC FILE_SET HEADERS BASE_DIRS "${ARG_INCLUDES_FROM}" FILES ${ARG_HEADERS})
   target_include_directories(sonoloft_${name} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>"
                                                      "$<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>")
   target_link_libraries(sonoloft_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:sonoloft_flags>)

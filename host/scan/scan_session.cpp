@@ -322,7 +322,8 @@ ScanSession::~ScanSession() {
 }
 
 Result<void> ScanSession::start(ScanCallbacks callbacks) {
-  return state_->start(std::move(callbacks));
+  const auto state = state_;  // a callback may destroy the session before this returns
+  return state->start(std::move(callbacks));
 }
 
 void ScanSession::stop() {

@@ -51,7 +51,7 @@ class ScanSession {
 
   /// Stops. From a callback: returns at once, and that callback is the last; the transport is closed on the
   /// reconstruction thread soon after it returned. From elsewhere: everything is down on return.
-  /// @pre no other thread is in a call
+  /// @pre no other thread is in a call, but for a start() whose first callback this is
   ~ScanSession();
   ScanSession(const ScanSession&) = delete;
   ScanSession& operator=(const ScanSession&) = delete;

@@ -16,6 +16,8 @@ int main(int argc, char** argv) {
   add_reconstruct(app, task);
   add_evaluate(app, task);
   add_scan(app, task);
+  add_record(app, task);
+  add_replay(app, task);
   add_devices(app, task);
   add_probe(app, task);
   add_stats(app, task);

@@ -43,6 +43,8 @@ constexpr Bad kBad[] = {
     {"evaluate m.ply", 2, "--truth"},
     {"probe", 2, "--usbip"},
     {"probe --usbip --port 99999", 2, "--port"},
+    {"probe --usbip --usbredir", 2, "--usbredir"},
+    {"probe --functionfs nowhere --port 1", 2, "--port"},
     {"scan", 2, "--output"},
     {"scan -o m.abc", 2, ".vtp"},
     {"scan -o m.ply --box 0 0 0 1 1", 2, "--box"},
@@ -64,6 +66,7 @@ constexpr Bad kBad[] = {
     {"evaluate box.off --truth missing.inr.gz", 1, "missing.inr.gz"},
     {"evaluate box.off --truth notes.txt", 1, "notes.txt"},
     {"probe --usbip --phantom nobody", 1, "organs"},
+    {"probe --functionfs nowhere --phantom organs", 1, "mount a functionfs"},
     {"scan --simulated --phantom nobody -o m.ply", 1, "organs"},
     {"scan --simulated --phantom box.off -o m.ply --box 5 5 5 1 1 1", 1, "--box"},
 };

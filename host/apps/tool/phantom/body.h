@@ -1,8 +1,6 @@
 #pragma once
 // What a simulated probe scans:  name or file -> [BODY] -> section source, truth
-#include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -11,8 +9,7 @@
 #include "core/io/volumes/label_volume.h"
 #include "core/mesh/mesh.h"
 #include "core/slice/result.h"
-#include "device_sim/probe/phantom.h"
-#include "device_sim/probe/trajectory.h"
+#include "device_sim/simulator/simulated_device.h"
 #include "host/apps/measure/measure.h"
 
 namespace sonoloft::tool {
@@ -20,11 +17,7 @@ namespace sonoloft::tool {
 /// What a mesh is measured against. Nothing where only recorded slices are known.
 using Truth = std::variant<std::monostate, LabelVolume, IndexedMesh>;
 
-struct Body {
-  std::shared_ptr<const device_sim::SectionSource> source;
-  std::optional<device_sim::Trajectory> recorded;  ///< where its slices were taken; else the body can be cut anywhere
-  std::uint32_t max_points = 0, max_contours = 0;  ///< of a recorded slice
-  std::vector<Label> bones;  ///< labels that sound does not pass; with any, the body is scanned as a patient is
+struct Body : device_sim::Subject {
   Truth truth;
 };
 

@@ -17,6 +17,8 @@ void add_reconstruct(CLI::App& app, Task& task);
 void add_evaluate(CLI::App& app, Task& task);
 void add_info(CLI::App& app, Task& task);
 void add_scan(CLI::App& app, Task& task);
+void add_record(CLI::App& app, Task& task);
+void add_replay(CLI::App& app, Task& task);
 void add_devices(CLI::App& app, Task& task);
 void add_probe(CLI::App& app, Task& task);
 void add_stats(CLI::App& app, Task& task);

@@ -6,6 +6,7 @@
 #include "core/reconstructor/reconstructor.h"
 #include "tests/support/mesh/mesh_check.h"
 #include "tests/support/mesh/same_bytes.h"
+#include "tests/support/planes.h"
 #include "tests/support/view_slices.h"
 
 using namespace sonoloft;
@@ -125,6 +126,33 @@ TEST_CASE("reconstructor: where nothing but outside was seen there is no surface
   Reconstructor reconstructor = make(Admission::news, 1);
   add_all(reconstructor, sweep(20, {}));
   CHECK(mesh_of(reconstructor).triangles.empty());
+}
+
+TEST_CASE("reconstructor: a space of one label stays that label through all shadows, one by one and all at once") {
+  std::mt19937 rng(11);
+  std::uniform_real_distribution<double> uniform(-40, 40);
+  std::vector<TrackedSlice> slices;
+  for (std::uint64_t id = 1; id <= 24; ++id) {
+    slices.push_back(test::slice_of_balls(test::random_frame(rng, 20), {{{0, 0, 0}, 60, 1}}));
+    slices.back().id = id;
+    for (int shadow = 0; shadow < 4; ++shadow)
+      test::add_contour(slices.back(), test::ring({uniform(rng), uniform(rng)}, 11, 14), kUnknown);
+  }
+  for (const Admission admission : {Admission::everything, Admission::news}) {
+    Reconstructor batch = make(admission, 2), online = make(admission, 1);
+    add_all(batch, slices);
+    for (const TrackedSlice& slice : slices) {
+      REQUIRE(online.add(slice));
+      REQUIRE(online.update());
+    }
+    const IndexedMesh mesh = mesh_of(batch);
+    test::MeshReport report = test::check_mesh(mesh);
+    MESSAGE(report.text());
+    CHECK(report.closed_manifold());
+    CHECK(report.labels[1].components == 1);
+    CHECK(report.labels[1].genus() == 0);
+    CHECK(same_bytes(mesh, mesh_of(online)));
+  }
 }
 
 TEST_CASE("reconstructor: completed the published way: closed, the same bytes one by one and all at once") {

@@ -1,5 +1,5 @@
 #pragma once
-// Segmented volumes: what phantoms and tests are cut from
+// Segmented volumes: what phantoms and tests are cut from, and what meshes are written as
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>

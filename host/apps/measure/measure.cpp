@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -16,25 +15,6 @@ namespace {
 
 constexpr double kLinesAcross = 512;
 constexpr double kMaxLinesASide = 1 << 20;
-
-/// The box of the vertices that triangles use.
-Result<Eigen::AlignedBox3d> box_of(const IndexedMesh& mesh, const char* what) {
-  if (mesh.triangles.empty()) {
-    return fail(ErrorCode::empty_input, std::string(what) + " has no triangle: there is nothing to compare");
-  }
-  Eigen::AlignedBox3d box;
-  for (const auto& triangle : mesh.triangles) {
-    for (const std::uint32_t v : triangle) {
-      assert(v < mesh.positions.size());
-      if (!mesh.positions[v].allFinite()) {
-        return fail(ErrorCode::non_finite, std::string(what) + " has a vertex that is not finite (" +
-                                               std::to_string(v) + "): repair the mesh");
-      }
-      box.extend(mesh.positions[v].cast<double>());
-    }
-  }
-  return box;
-}
 
 Result<void> check(const LabelVolume& volume) {
   std::uint64_t voxels = 1;
@@ -98,9 +78,9 @@ Comparison compare(const OverlapInput& input, const IndexedMesh& truth_surface, 
 }  // namespace
 
 Result<Comparison> measure_against_mesh(const IndexedMesh& mesh, const IndexedMesh& truth, int threads) {
-  auto mesh_box = box_of(mesh, "the mesh");
+  auto mesh_box = used_box(mesh, "the mesh");
   if (!mesh_box) return tl::unexpected(mesh_box.error());
-  auto truth_box = box_of(truth, "the true mesh");
+  auto truth_box = used_box(truth, "the true mesh");
   if (!truth_box) return tl::unexpected(truth_box.error());
   const ScanLines lines = lines_through(mesh_box->merged(*truth_box));
   return compare({mesh, &truth, nullptr, {}}, truth, lines, truth_box->diagonal().norm(), threads);
@@ -108,10 +88,10 @@ Result<Comparison> measure_against_mesh(const IndexedMesh& mesh, const IndexedMe
 
 Result<Comparison> measure_against_volume(const IndexedMesh& mesh, const LabelVolume& truth, int threads) {
   if (auto ok = check(truth); !ok) return tl::unexpected(ok.error());
-  auto mesh_box = box_of(mesh, "the mesh");
+  auto mesh_box = used_box(mesh, "the mesh");
   if (!mesh_box) return tl::unexpected(mesh_box.error());
   const IndexedMesh surface = voxel_surface(truth);
-  auto truth_box = box_of(surface, "the true volume");
+  auto truth_box = used_box(surface, "the true volume");
   if (!truth_box) return tl::unexpected(truth_box.error());
   std::array<std::size_t, 3> offset{};
   auto lines = lines_of(truth, *mesh_box, offset);

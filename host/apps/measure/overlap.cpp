@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <tuple>
-#include <utility>
 
 #include "core/slice/parallel.h"
 
@@ -24,54 +24,16 @@ struct Sum {
   double mesh = 0, truth = 0, common = 0;
 };
 
-/// Triangles by the rows (constant z) that they reach: those of row k are index[first[k]] .. index[first[k + 1]].
-struct RowLists {
-  std::vector<std::size_t> first;
-  std::vector<std::uint32_t> index;
-};
-
-std::pair<std::size_t, std::size_t> rows_of(const IndexedMesh& mesh, std::size_t triangle, const Ticks& rows) {
-  const auto& t = mesh.triangles[triangle];
-  const auto [low, high] = std::minmax({mesh.positions[t[0]].z(), mesh.positions[t[1]].z(), mesh.positions[t[2]].z()});
-  return {rows.first_not_below(low), rows.first_not_below(high)};
-}
-
-RowLists list_rows(const IndexedMesh& mesh, const Ticks& rows) {
-  RowLists lists;
-  lists.first.assign(rows.count + 1, 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto [begin, end] = rows_of(mesh, t, rows);
-    for (std::size_t k = begin; k < end; ++k) ++lists.first[k + 1];
-  }
-  for (std::size_t k = 0; k < rows.count; ++k) lists.first[k + 1] += lists.first[k];
-  lists.index.resize(lists.first.back());
-  auto next = lists.first;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto [begin, end] = rows_of(mesh, t, rows);
-    for (std::size_t k = begin; k < end; ++k) lists.index[next[k]++] = static_cast<std::uint32_t>(t);
-  }
-  return lists;
-}
-
-/// Where the edge meets the plane of constant z, as (x, y). The end points are put in one order first: both triangles
-/// of an edge get the same bits, so no line slips through between them or counts twice.
-Eigen::Vector2d edge_at(const Eigen::Vector3f& p, const Eigen::Vector3f& q, double z) {
-  const bool in_order = std::tuple(p.z(), p.y(), p.x()) < std::tuple(q.z(), q.y(), q.x());
-  const Eigen::Vector3d a = (in_order ? p : q).cast<double>();
-  const Eigen::Vector3d b = (in_order ? q : p).cast<double>();
-  const double t = (z - a.z()) / (b.z() - a.z());
-  return a.head<2>() + t * (b.head<2>() - a.head<2>());
-}
-
 class RowScan {
  public:
   RowScan(const ScanLines& lines, std::vector<Sum>& sums, const std::vector<std::uint32_t>& slot_of_label)
       : lines_(lines), sums_(sums), slot_of_label_(slot_of_label) {}
 
-  void add_mesh(const IndexedMesh& mesh, const RowLists& lists, std::size_t row, bool truth) {
-    for (std::size_t i = lists.first[row]; i < lists.first[row + 1]; ++i) {
-      add_triangle(mesh, lists.index[i], lines_.z.at(row), truth);
-    }
+  void add_mesh(const IndexedMesh& mesh, const LineScan& scan, std::size_t row, bool truth) {
+    scan.crossings(row, [&](std::uint32_t line, double x, std::size_t triangle) {
+      const double place = lines_.x.count == 0 ? x : std::ceil((x - lines_.x.start) / lines_.x.step);
+      add(line, mesh.label_front[triangle], mesh.label_back[triangle], place, truth);
+    });
   }
 
   void add_voxels(const LabelVolume& volume, const std::array<std::size_t, 3>& offset, std::size_t row) {
@@ -119,24 +81,6 @@ class RowScan {
            toggles_[i].label == toggles_[begin].label;
   }
 
-  void add_triangle(const IndexedMesh& mesh, std::uint32_t triangle, double z, bool truth) {
-    std::array<Eigen::Vector2d, 2> ends;
-    std::size_t found = 0;
-    const auto& t = mesh.triangles[triangle];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Eigen::Vector3f &p = mesh.positions[t[i]], &q = mesh.positions[t[(i + 1) % 3]];
-      if ((p.z() <= z) != (q.z() <= z)) ends[found++] = edge_at(p, q, z);
-    }
-    if (ends[1].y() < ends[0].y()) std::swap(ends[0], ends[1]);
-    const std::size_t last = lines_.y.first_not_below(ends[1].y());
-    for (std::size_t j = lines_.y.first_not_below(ends[0].y()); j < last; ++j) {
-      const double share = (lines_.y.at(j) - ends[0].y()) / (ends[1].y() - ends[0].y());
-      const double x = ends[0].x() + share * (ends[1].x() - ends[0].x());
-      const double place = lines_.x.count == 0 ? x : std::ceil((x - lines_.x.start) / lines_.x.step);
-      add(static_cast<std::uint32_t>(j), mesh.label_front[triangle], mesh.label_back[triangle], place, truth);
-    }
-  }
-
   void add(std::uint32_t line, Label one, Label other, double x, bool truth) {
     if (one != kOutside) toggles_.push_back({line, one, truth, x});
     if (other != kOutside) toggles_.push_back({line, other, truth, x});
@@ -167,30 +111,23 @@ std::vector<Label> labels_of(const OverlapInput& input) {
 
 }  // namespace
 
-std::size_t Ticks::first_not_below(double value) const {
-  const double guess = std::clamp(std::ceil((value - start) / step), 0.0, static_cast<double>(count));
-  auto index = static_cast<std::size_t>(guess);
-  while (index > 0 && at(index - 1) >= value) --index;
-  while (index < count && at(index) < value) ++index;
-  return index;
-}
-
 Overlap scan_overlap(const OverlapInput& input, const ScanLines& lines, int threads) {
   constexpr std::size_t kBands = 64;  // fixed, so that the order of summation is
   const std::vector<Label> labels = labels_of(input);
   std::vector<std::uint32_t> slot_of_label(std::size_t{1} << 16);
   for (std::size_t i = 0; i < labels.size(); ++i) slot_of_label[labels[i]] = static_cast<std::uint32_t>(i);
 
-  const RowLists mesh_rows = list_rows(input.mesh, lines.z);
-  const RowLists truth_rows = input.truth_mesh == nullptr ? RowLists{} : list_rows(*input.truth_mesh, lines.z);
+  const LineScan mesh_scan(input.mesh, lines.y, lines.z);
+  std::optional<LineScan> truth_scan;
+  if (input.truth_mesh != nullptr) truth_scan.emplace(*input.truth_mesh, lines.y, lines.z);
   std::vector<std::vector<Sum>> sums(kBands, std::vector<Sum>(labels.size()));
   std::array<std::size_t, kBands> open{};
   parallel_for(kBands, 1, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t band = first; band < last; ++band) {
       RowScan scan(lines, sums[band], slot_of_label);
       for (std::size_t row = lines.z.count * band / kBands; row < lines.z.count * (band + 1) / kBands; ++row) {
-        scan.add_mesh(input.mesh, mesh_rows, row, false);
-        if (input.truth_mesh != nullptr) scan.add_mesh(*input.truth_mesh, truth_rows, row, true);
+        scan.add_mesh(input.mesh, mesh_scan, row, false);
+        if (truth_scan) scan.add_mesh(*input.truth_mesh, *truth_scan, row, true);
         if (input.truth_voxels != nullptr) scan.add_voxels(*input.truth_voxels, input.voxel_offset, row);
         open[band] += scan.finish();
       }

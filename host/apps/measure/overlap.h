@@ -3,20 +3,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/voxels/line_scan.h"
 #include "host/apps/measure/measure.h"
 
 namespace sonoloft {
-
-/// Equally spaced values  start + index * step.  One definition of "the first index at or above a value" for every
-/// caller is what makes lines through vertices count once.
-struct Ticks {
-  double start;
-  double step;
-  std::size_t count;
-  [[nodiscard]] double at(std::size_t index) const { return start + static_cast<double>(index) * step; }
-  /// Smallest index whose tick is not below `value`, or count.
-  [[nodiscard]] std::size_t first_not_below(double value) const;
-};
 
 /// The scan lines: parallel to x through every (y, z). `x` gives the voxel centres along a line when the truth is
 /// voxels; with x.count == 0 lengths are continuous.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/io/meshes/mesh_files.h"
+#include "core/io/volumes/volume_files.h"
 
 namespace sonoloft::tool {
 namespace {
@@ -52,6 +53,11 @@ Result<void> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& pa
   if (suffix == ".stl") return write_stl(mesh, path);
   if (suffix == ".vtp") return write_vtp(mesh, path);
   return write_ply(mesh, path, properties);
+}
+
+Result<void> write_volume(const LabelVolume& volume, const std::filesystem::path& path) {
+  if (auto made = make_folder_of(path); !made) return made;
+  return path.extension() == ".nrrd" ? write_seg_nrrd(volume, path) : write_nifti(volume, path);
 }
 
 Result<void> write_picture(const IndexedMesh& mesh, std::vector<LegendLine> legend, std::span<const Label> glass,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/io/meshes/mesh_files.h"
+#include "core/io/volumes/label_volume.h"
 #include "core/mesh/mesh.h"
 #include "core/slice/result.h"
 #include "host/apps/picture/picture.h"
@@ -28,6 +29,11 @@ inline constexpr const char* kMeshSuffixes = ".ply,.obj,.stl,.vtp";
 /// @param properties  only PLY takes them
 [[nodiscard]] Result<void> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path,
                                       const VertexProperties& properties = {});
+
+/// Suffixes that write_volume() knows.
+inline constexpr const char* kVolumeSuffixes = ".seg.nrrd,.nii,.nii.gz";
+/// Makes the folder where there is none. @pre the suffix is one of kVolumeSuffixes @error io_failed
+[[nodiscard]] Result<void> write_volume(const LabelVolume& volume, const std::filesystem::path& path);
 
 /// The mesh seen from outside, its largest of several labels as glass. Makes the folder where there is none.
 /// @error those of draw() and write_png()

@@ -27,6 +27,7 @@ const std::vector<Row>& table() {
       {"core/slice/", {"core/slice/"}},
       {"core/", {"core/"}},
       {"host/device/", {"host/device/", "protocol/", "core/slice/"}},
+      {"host/record/", {"host/record/", "host/device/", "protocol/", "core/slice/", "core/io/"}},
       {"host/scan/", {"host/scan/", "host/device/", "core/"}},
       {"host/simulated/", {"host/simulated/", "host/device/", "core/slice/", "device_sim/"}},
       {"host/capi/", {"host/capi/", "host/simulated/", "host/scan/", "host/device/", "core/"}},

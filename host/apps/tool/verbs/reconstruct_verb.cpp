@@ -8,6 +8,7 @@
 #include "core/reconstructor/reconstructor.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
+#include "host/apps/tool/mesh_output.h"
 #include "host/apps/tool/mesher.h"
 #include "host/apps/tool/verbs/verbs.h"
 
@@ -18,7 +19,8 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 struct ReconstructOptions {
-  std::filesystem::path input, output;
+  std::filesystem::path input;
+  MeshOutput output;
   bool online = false;
   Admission admission = Admission::everything;
   Completion completion = Completion::background;
@@ -174,7 +176,8 @@ Result<void> run_reconstruct(const ReconstructOptions& o) {
 
   const Json report = report_json(file->slices, *outcomes, *reconstructor, o.mesher, mesh->triangles.size(), times);
   print(report);
-  if (auto written = write_mesh(*mesh, o.output); !written) return written;
+  if (auto written = write_output(*mesh, o.output, reconstructor->samples().spacing_mm(), o.compute.threads); !written)
+    return written;
   if (o.picture)
     if (auto drawn = write_picture(*mesh, {}, {}, *o.picture, o.compute.threads); !drawn) return drawn;
   return o.report ? write_report(report, *o.report) : Result<void>{};
@@ -188,9 +191,7 @@ void add_reconstruct(CLI::App& app, Task& task) {
   verb->add_option("input", options->input, "Recorded slices: .csl or .contour")
       ->required()
       ->check(ends_in(".csl,.contour"));
-  verb->add_option("-o,--output", options->output, std::string("Mesh to write: ") + kMeshSuffixes)
-      ->required()
-      ->check(ends_in(kMeshSuffixes));
+  add_mesh_output(*verb, options->output);
   verb->add_flag("--online", options->online, "Bring the mesh up to date after every slice, as a live scan does");
   verb->add_option("--picture", options->picture, "Draw the mesh into this PNG file")->check(ends_in(".png"));
   auto* completion = verb->add_option_function<std::string>(

@@ -1,17 +1,16 @@
-#include <array>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
-#include <vector>
 
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/interrupt.h"
 #include "host/apps/tool/live/live_scan.h"
 #include "host/apps/tool/verbs/verbs.h"
-#include "host/record/replay_transport.h"
+#include "host/record/replay/replay_transport.h"
 
 namespace sonoloft::tool {
 namespace {
@@ -19,7 +18,7 @@ namespace {
 struct ReplayOptions {
   std::filesystem::path recording;
   std::optional<std::filesystem::path> output;
-  double speed = 1;
+  double speed = 1;  ///< 0: as fast as slices are used
   ScanSpace space;
 };
 
@@ -68,10 +67,11 @@ void add_replay(CLI::App& app, Task& task) {
   verb->add_option("recording", replay->recording, "File that `sonoloft record` wrote")->required();
   verb->add_option("-o,--output", replay->output, std::string("Mesh to write: ") + kMeshSuffixes)
       ->check(ends_in(kMeshSuffixes));
-  verb->add_option("--speed", replay->speed, "Times as fast as it was recorded; max: as fast as slices are used")
-      ->transform([](const std::string& text) { return text == "max" ? std::string("0") : text; })
-      ->check(finite(1e-3, 1e3) | CLI::IsMember({"0"}))
-      ->capture_default_str();
+  verb->add_option_function<std::string>(
+          "--speed", [replay](const std::string& text) { replay->speed = text == "max" ? 0 : std::stod(text); },
+          "Times as fast as it was recorded; max: as fast as slices are used")
+      ->check(finite(1e-3, 1e3) | CLI::IsMember({"max"}))
+      ->default_str("1");
   add_scan_space(*verb, replay->space);
   verb->callback([&task, replay] { task = [replay] { return run_replay(*replay); }; });
 }

@@ -1,10 +1,10 @@
 #include <memory>
 #include <utility>
 
-#include "host/apps/tool/figures.h"
 #include "host/apps/tool/interrupt.h"
 #include "host/apps/tool/live/live_scan.h"
 #include "host/apps/tool/live/probe_source.h"
+#include "host/apps/tool/mesh_output.h"
 #include "host/apps/tool/verbs/verbs.h"
 
 namespace sonoloft::tool {
@@ -12,7 +12,7 @@ namespace {
 
 struct LiveOptions {
   ProbeSource source;
-  std::filesystem::path output;
+  MeshOutput output;
   ScanSpace space;
   bool lossless = false;
 };
@@ -28,7 +28,7 @@ Result<void> run_scan(const LiveOptions& live) {
   note_interrupts();
   const auto mesh = scan_all(**scan, [] { return false; });
   if (!mesh) return tl::unexpected<Error>(mesh.error());
-  return write_mesh(*mesh, live.output);
+  return write_output(*mesh, live.output, live.space.spacing_mm, live.space.compute.threads);
 }
 
 }  // namespace
@@ -36,9 +36,7 @@ Result<void> run_scan(const LiveOptions& live) {
 void add_scan(CLI::App& app, Task& task) {
   auto* verb = app.add_subcommand("scan", "Scans with a probe and writes the mesh, until the probe ends or Ctrl-C");
   auto live = std::make_shared<LiveOptions>();
-  verb->add_option("-o,--output", live->output, std::string("Mesh to write: ") + kMeshSuffixes)
-      ->required()
-      ->check(ends_in(kMeshSuffixes));
+  add_mesh_output(*verb, live->output);
   add_probe_source(*verb, live->source);
   add_scan_space(*verb, live->space);
   verb->add_flag("--lossless", live->lossless,

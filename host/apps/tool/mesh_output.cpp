@@ -28,8 +28,12 @@ Result<void> write_output(const IndexedMesh& mesh, const MeshOutput& output, dou
   std::string path = output.path.string();
   if (!ends_in(kVolumeSuffixes)(path).empty()) return write_mesh(mesh, output.path);
   const auto volume = voxelize(mesh, output.voxel_mm.value_or(spacing_mm), threads);
-  if (!volume) return tl::unexpected<Error>(volume.error());
-  return write_volume(*volume, output.path);
+  if (volume) return write_volume(*volume, output.path);
+  // A scan cannot be had again.
+  Error error = volume.error();
+  const std::string instead = path + ".ply";
+  if (write_mesh(mesh, instead)) error.message += "; the mesh is in " + instead;
+  return tl::unexpected<Error>(error);
 }
 
 }  // namespace sonoloft::tool

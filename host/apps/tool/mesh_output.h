@@ -19,7 +19,7 @@ void add_mesh_output(CLI::App& verb, MeshOutput& output);
 
 /// Makes the folder where there is none.
 /// @param spacing_mm  edge of the finest cells; of the voxels, too, where nothing else was said
-/// @error io_failed, those of voxelize()
+/// @error io_failed; those of voxelize(), and then the mesh is written all the same, as PLY
 [[nodiscard]] Result<void> write_output(const IndexedMesh& mesh, const MeshOutput& output, double spacing_mm,
                                         int threads);
 

@@ -100,7 +100,7 @@ TEST_CASE("tool volumes: voxels are as large as the finest cells where nothing e
   CHECK(bytes_of(folder.path("v.nii.gz")).starts_with("\x1f\x8b"));
 }
 
-TEST_CASE("tool volumes: a size of voxels needs a label volume, and one that fits") {
+TEST_CASE("tool volumes: a size of voxels needs a label volume, and one that fits; else the mesh is kept") {
   const TemporaryFolder folder;
   folder.write("lesion.csl", lesion_csl());
   const ToolRun mesh = run_tool(folder, "reconstruct lesion.csl -o m.ply --voxel-mm 1");
@@ -111,4 +111,6 @@ TEST_CASE("tool volumes: a size of voxels needs a label volume, and one that fit
   const ToolRun large = run_tool(folder, "reconstruct lesion.csl --depth 5 --device cpu -o v.nii --voxel-mm 0.001");
   CHECK(large.status == 1);
   CHECK(large.err.find("larger") != std::string::npos);
+  CHECK(large.err.find("v.nii.ply") != std::string::npos);
+  CHECK(read_mesh(folder.path("v.nii.ply")));
 }

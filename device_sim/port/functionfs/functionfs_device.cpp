@@ -77,8 +77,10 @@ FunctionfsDevice::~FunctionfsDevice() {
 }
 
 void FunctionfsDevice::serve() {
-  while (!stopping_) {
-    for (usb::Completion& done : completions_.take()) finish(done);
+  while (true) {
+    auto ended = completions_.take();
+    if (stopping_) return;  // looked at after take(), which quiets the event that says so
+    for (usb::Completion& done : ended) finish(done);
     ask_for_record();
     // While the host waits for an answer the file is always ready, for the answer.
     pollfd polled[] = {{completions_.event(), POLLIN, 0}, {answer_id_ != 0 ? -1 : files_.control, POLLIN, 0}};

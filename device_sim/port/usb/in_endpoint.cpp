@@ -51,6 +51,7 @@ bool InEndpoint::halted() const {
 
 void InEndpoint::reset() {
   const std::lock_guard lock(mutex_);
+  ++resets_;
   halted_ = false;
   message_.reset();
   waiting_.clear();
@@ -67,10 +68,11 @@ void InEndpoint::pump() {
 }
 
 void InEndpoint::fetch(std::unique_lock<std::mutex>& lock) {
+  const auto resets = resets_;
   lock.unlock();
   const auto got = read_(buffer_);
   lock.lock();
-  if (got.status == PortStatus::ok) message_ = std::span<const std::byte>(buffer_).first(got.size);
+  if (got.status == PortStatus::ok && resets == resets_) message_ = std::span<const std::byte>(buffer_).first(got.size);
   if (got.status == PortStatus::halted) {
     halted_ = true;
     complete_all(UrbStatus::stalled);

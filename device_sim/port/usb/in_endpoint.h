@@ -40,7 +40,7 @@ class InEndpoint {
   /// Also throws away what was left of a message that had begun: the next URB begins with a message.
   void clear_halt();
   [[nodiscard]] bool halted() const;
-  /// Forgets waiting URBs without completing them, and clears the halt.
+  /// Forgets waiting URBs without completing them, and what was fetched for them, and clears the halt.
   void reset();
 
  private:
@@ -63,6 +63,7 @@ class InEndpoint {
   std::deque<Waiting> waiting_;
   std::vector<std::byte> buffer_;                      ///< the pump's while it fetches
   std::optional<std::span<const std::byte>> message_;  ///< what is left of it: no bytes are a message, too
+  std::uint32_t resets_ = 0;
   bool halted_ = false, gone_ = false, closing_ = false;
   std::jthread thread_;
 };

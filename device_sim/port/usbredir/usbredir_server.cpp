@@ -33,8 +33,9 @@ UsbredirServer::~UsbredirServer() {
 }
 
 void UsbredirServer::serve() {
-  while (!stopping_) {
+  while (true) {
     answer_guest();
+    if (stopping_) return;  // looked at after every take(), which quiets the event that says so
     const short awaited = guest_ ? guest_->awaited() : short{POLLIN};
     pollfd polled[] = {{completions_.event(), POLLIN, 0}, {guest_ ? guest_->socket() : listener_, awaited, 0}};
     if (poll(polled, 2, -1) < 0) continue;  // a signal

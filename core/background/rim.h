@@ -35,7 +35,7 @@ class Rim {
   [[nodiscard]] bool reaches(const Eigen::Vector3d& centre_mm, double radius_mm) const;
 
   /// Weighs the labels at points that lie near each other. What a point gets depends on it alone, to the last bit.
-  /// @cost O(#P * pieces near them), 2 to 4 ns each
+  /// @cost O(#P * pieces near them), 5 ns each
   void weigh(std::span<const Eigen::Vector3d> points_mm, PointWeights& out) const;
 
  private:

@@ -7,7 +7,7 @@
 namespace sonoloft::protocol {
 namespace {
 
-constexpr std::uint8_t kKnownIncompat = 0;
+constexpr std::uint8_t kKnownIncompat = kIncompatMask;
 
 bool version_fits(const RecordHeader& h, const Agreement& agreed) {
   return h.major == kVersion.major && h.minor <= agreed.minor && (h.incompat & ~kKnownIncompat) == 0 &&
@@ -65,6 +65,7 @@ Reject Acceptor::check(std::span<const std::byte> transfer, AcceptedSlice& accep
   if (reinterpret_cast<std::uintptr_t>(payload.data()) % kPayloadAlign != 0) return Reject::alignment;
   if (!decode_slice(payload, accepted.slice)) return Reject::verifier;
   accepted.slice.time_ns = h.t_device_ns;
+  if (accepted.slice.has_mask() != ((h.incompat & kIncompatMask) != 0)) return Reject::meaning;
   return check_slice(accepted.slice, agreement_.limits) == SliceFault::none ? Reject::none : Reject::meaning;
 }
 

@@ -28,6 +28,10 @@ enum class Command : std::uint16_t {
   get_calibration = 9,
   set_calibration = 10,
   reset = 11,
+  // Since 1.1.
+  begin_blob = 12,
+  get_blob = 13,
+  keep_blob = 14,
 };
 
 /// The answer to a request, in the manner of GenCP.
@@ -36,7 +40,7 @@ enum class Status : std::uint16_t {
   not_implemented = 1,
   invalid_parameter = 2,
   busy = 3,         ///< ask again later
-  wrong_state = 4,  ///< not while streaming (START, SET_CALIBRATION)
+  wrong_state = 4,  ///< not while streaming (START, SET_CALIBRATION, BEGIN_BLOB); or not yet (KEEP_BLOB)
   pending = 5,      ///< not ready: PendingReply says when to send the same request again
   bad_request = 6,  ///< shorter than its header says or than its command needs
 };
@@ -56,6 +60,9 @@ struct ReplyHeader {
 inline constexpr std::uint32_t kCapSlices = 1u << 0;       ///< stream 0 carries slices as contours
 inline constexpr std::uint32_t kCapLossless = 1u << 1;     ///< StreamMode::lossless
 inline constexpr std::uint32_t kCapCalibration = 1u << 2;  ///< keeps an ImageToProbe
+inline constexpr std::uint32_t kCapEvents = 1u << 3;       ///< tells of events by itself
+inline constexpr std::uint32_t kCapBlobs = 1u << 4;        ///< takes blobs
+inline constexpr std::uint32_t kCapMasks = 1u << 5;        ///< may send masks instead of contours
 
 struct InfoReply {
   std::uint8_t major, minor;
@@ -70,7 +77,13 @@ struct InfoReply {
   std::uint32_t clock_resolution_ns;
   char firmware_version[24];  ///< zero-terminated
   char serial[40];            ///< zero-terminated
+  // Since 1.1; 0 to a reader of a 1.0 reply.
+  std::uint32_t max_mask_runs;
+  std::uint32_t max_mask_pixels;
+  std::uint32_t max_blob;   ///< bytes
+  std::uint32_t max_block;  ///< bytes of one transfer of a blob, all included; at least 128 where there are blobs
 };
+inline constexpr std::size_t kInfoReplyLen_1_0 = 96;
 
 inline constexpr std::uint32_t kSliceStream = 1u << 0;  ///< bit of StartRequest::streams
 
@@ -142,13 +155,38 @@ struct CalibrationMessage {  ///< reply of GET_CALIBRATION, request of SET_CALIB
   double image_to_probe[12];  ///< affine, 3 x 4, row after row: p_probe_mm = A * (x_px, y_px, 0, 1)
 };
 
+enum class BlobKind : std::uint32_t {
+  firmware = 1,     ///< an image for the device to run
+  calibration = 2,  ///< what its maker measured, beyond ImageToProbe
+};
+enum class BlobState : std::uint16_t {
+  none = 0,       ///< nothing was begun, or it was given up
+  receiving = 1,  ///< blocks are missing
+  complete = 2,   ///< all bytes came, and their sum fits: KEEP_BLOB
+  spoiled = 3,    ///< all bytes came, and their sum does not fit: begin again
+  kept = 4,       ///< for good
+};
+struct BeginBlobRequest {
+  std::uint32_t kind;  ///< BlobKind
+  std::uint32_t len;   ///< bytes, at least 1
+  std::uint32_t crc32c;
+  std::uint32_t reserved;
+};
+struct BlobReply {     ///< of GET_BLOB
+  std::uint32_t kind;  ///< of the blob begun last; 0: none
+  std::uint32_t len;
+  std::uint32_t received;  ///< bytes, from the first: where to go on
+  std::uint16_t state;     ///< BlobState
+  std::uint16_t reserved;
+};
+
 struct PendingReply {
   std::uint32_t retry_ms;
 };
 
 static_assert(sizeof(RequestHeader) == 8 && sizeof(ReplyHeader) == 8);
-static_assert(sizeof(InfoReply) == 96 && offsetof(InfoReply, schema_hash) == 4 &&
-              offsetof(InfoReply, max_record) == 12);
+static_assert(sizeof(InfoReply) == 112 && offsetof(InfoReply, max_mask_runs) == kInfoReplyLen_1_0 &&
+              offsetof(InfoReply, schema_hash) == 4 && offsetof(InfoReply, max_record) == 12);
 static_assert(offsetof(InfoReply, ring_capacity) == 24 && offsetof(InfoReply, firmware_version) == 32 &&
               offsetof(InfoReply, serial) == 56);
 static_assert(sizeof(StartRequest) == 12 && offsetof(StartRequest, mode) == 8 && offsetof(StartRequest, minor) == 11);
@@ -157,6 +195,7 @@ static_assert(sizeof(StatsReply) == 40 && offsetof(StatsReply, next_seq) == 8 &&
 static_assert(sizeof(TimeSyncRequest) == 8 && sizeof(TimeSyncReply) == 16);
 static_assert(sizeof(ParamMessage) == 16 && offsetof(ParamMessage, value) == 8);
 static_assert(sizeof(CalibrationMessage) == 104 && offsetof(CalibrationMessage, image_to_probe) == 8);
+static_assert(sizeof(BeginBlobRequest) == 16 && sizeof(BlobReply) == 16 && offsetof(BlobReply, state) == 12);
 static_assert(sizeof(PendingReply) == 4);
 
 struct RequestView {
@@ -189,12 +228,20 @@ template <class T>
   return std::as_bytes(std::span<const T, 1>(&payload, 1));
 }
 
-/// A payload struct out of received bytes; false where there are too few. More are a later minor version's.
+/// How long a payload was in the first version that had it.
+template <class T>
+inline constexpr std::size_t kFirstLen = sizeof(T);
+template <>
+inline constexpr std::size_t kFirstLen<InfoReply> = kInfoReplyLen_1_0;
+
+/// A payload struct out of received bytes; false where there are too few. What an earlier version did not have is 0,
+/// more than is known is a later version's.
 template <class T>
 [[nodiscard]] bool read_payload(std::span<const std::byte> bytes, T& payload) {
   static_assert(std::is_trivially_copyable_v<T>);
-  if (bytes.size() < sizeof(T)) return false;
-  std::memcpy(&payload, bytes.data(), sizeof(T));
+  if (bytes.size() < kFirstLen<T>) return false;
+  payload = T{};
+  std::memcpy(&payload, bytes.data(), bytes.size() < sizeof(T) ? bytes.size() : sizeof(T));
   return true;
 }
 

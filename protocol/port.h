@@ -19,9 +19,10 @@ struct PortTransfer {
   std::size_t size;  ///< bytes written into the caller's buffer; 0 unless ok
 };
 
-/// What a bus offers between the two sides when both are in one process: requests with their replies, and a stream of
-/// records. The far side of the cable implements it, the near side uses it; neither knows the other.
-/// Threads: every member may be called from any thread at any time; transfers of one kind wait for each other.
+/// What a bus offers between the two sides when both are in one process: requests with their replies, a stream of
+/// records, events, and a way for blobs. The far side of the cable implements it, the near side uses it; neither knows
+/// the other. Threads: every member may be called from any thread at any time; transfers of one kind wait for each
+/// other.
 class Port {
  public:
   /// Sends a request and receives its reply, as a control transfer does.
@@ -32,7 +33,15 @@ class Port {
   /// @pre record.size() >= the device's max_record
   [[nodiscard]] virtual PortTransfer read(std::span<std::byte> record, std::uint32_t timeout_ms) = 0;
 
-  /// Ends a read that waits now, and every one until allow_reads(), with `cancelled`.
+  /// Receives one event, waiting for it up to `timeout_ms`. Never halts.
+  /// @pre event.size() >= kEventLen (see event.h)
+  [[nodiscard]] virtual PortTransfer read_event(std::span<std::byte> event, std::uint32_t timeout_ms) = 0;
+
+  /// Sends one block of a blob (see block.h); ok: the device has looked at it, whatever it thinks of it.
+  /// @pre block.size() <= the device's max_block
+  [[nodiscard]] virtual PortTransfer write_block(std::span<const std::byte> block) = 0;
+
+  /// Ends reads of either kind that wait now, and every one until allow_reads(), with `cancelled`.
   virtual void cancel_reads() = 0;
   virtual void allow_reads() = 0;
 

@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "the wire structs are 
 struct Version {
   std::uint8_t major, minor;
 };
-inline constexpr Version kVersion{1, 0};
+inline constexpr Version kVersion{1, 1};
 
 inline constexpr std::uint32_t kMagic = 0x4F4E4F53;     ///< "SONO"
 inline constexpr std::uint32_t kEndMagic = 0x54464F4C;  ///< "LOFT"
@@ -27,6 +27,9 @@ inline constexpr std::size_t kMaxPadding = 32;      ///< padding is shorter than
 inline constexpr std::size_t kMaxHeaderLen = 1024;  ///< of any later minor version
 /// A record's length is never a multiple of this, so every bulk transfer ends with a short packet at any USB speed.
 inline constexpr std::size_t kPacketDivisor = 64;
+
+/// RecordHeader::incompat: the slice has a mask, and to a reader that does not know it, nothing. Since 1.1.
+inline constexpr std::uint8_t kIncompatMask = 1, kMaskMinor = 1;
 
 enum class RecordType : std::uint16_t { slice = 1, pose = 2, stats = 3, log = 4, event = 5 };
 

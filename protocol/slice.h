@@ -22,6 +22,20 @@ struct Contour {
 };
 inline constexpr std::uint16_t kHoleFlag = 1;  ///< the contour encloses outside
 
+/// The pixels of a label mask: squares of step x step, the first one around (x, y), `width` to the right, `height` rows
+/// down. Frame: image, pixels of the image.
+struct MaskGrid {
+  float x_px = 0, y_px = 0;
+  float step_px = 1;  ///< > 0
+  std::uint16_t width = 0, height = 0;
+};
+
+/// Pixels of a mask that follow each other, row after row, and have one label: 0 outside, or as a contour's.
+struct MaskRun {
+  std::uint16_t count;  ///< at least 1
+  WireLabel label;
+};
+
 /// What the tracker says about a pose. Anything but `ok` must not be used for geometry.
 enum class PoseStatus : std::uint16_t {
   ok = 0,
@@ -51,6 +65,12 @@ struct Slice {
   std::span<const Point> points;         ///< [#V] the contours' points; contour i + 1 starts where contour i ends
   std::span<const Contour> contours;     ///< [#C] together they use every point exactly once
   std::span<const Point> field_of_view;  ///< [#F] closed polygon; empty: the whole plane was seen; else at least 3
+
+  /// Instead of contours: a label for every pixel. Since 1.1.
+  MaskGrid mask_grid;
+  std::span<const MaskRun> mask_runs;  ///< [#R] together width x height pixels; empty: the slice has contours
+
+  [[nodiscard]] bool has_mask() const { return !mask_runs.empty(); }
 };
 
 }  // namespace sonoloft::protocol

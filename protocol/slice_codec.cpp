@@ -19,10 +19,12 @@ static_assert(sizeof(Point) == sizeof(wire::Point) && alignof(Point) == alignof(
 static_assert(sizeof(Contour) == sizeof(wire::Contour) && alignof(Contour) == alignof(wire::Contour));
 static_assert(offsetof(Contour, first) == 0 && offsetof(Contour, count) == 4 && offsetof(Contour, label) == 8 &&
               offsetof(Contour, flags) == 10);
+static_assert(sizeof(MaskRun) == sizeof(wire::MaskRun) && offsetof(MaskRun, count) == 0 &&
+              offsetof(MaskRun, label) == 2);
 // No vector has elements that need more than 4 bytes of alignment: the verifier would not notice.
-static_assert(alignof(Point) <= 4 && alignof(Contour) <= 4);
+static_assert(alignof(Point) <= 4 && alignof(Contour) <= 4 && alignof(MaskRun) <= 4);
 
-// Table, vtable, pose, three vector lengths, alignment and the builder's scratch space.
+// Table, vtable, pose, grid, four vector lengths, alignment and the builder's scratch space.
 constexpr std::size_t kTableBound = 256;
 
 // Hands one given block to the builder, once.
@@ -54,9 +56,17 @@ wire::Pose to_wire(const Pose& p) {
           p.ty_mm, p.tz_mm, p.time_ns, p.error_mm, static_cast<std::uint16_t>(p.status)};
 }
 
+wire::MaskGrid to_wire(const MaskGrid& g) {
+  return {g.x_px, g.y_px, g.step_px, g.width, g.height};
+}
+
 Pose from_wire(const wire::Pose& p) {
   return {p.qw(), p.qx(), p.qy(),      p.qz(),       p.tx(),
           p.ty(), p.tz(), p.time_ns(), p.error_mm(), static_cast<PoseStatus>(p.status())};
+}
+
+MaskGrid from_wire(const wire::MaskGrid& g) {
+  return {g.x(), g.y(), g.step(), g.width(), g.height()};
 }
 
 // Builds the FlatBuffer at the end of `space` and moves it to the front. Returns its length.
@@ -66,8 +76,12 @@ std::size_t build_payload(const Slice& slice, std::span<std::byte> space) {
   const auto points = add_vector<wire::Point>(builder, slice.points);
   const auto contours = add_vector<wire::Contour>(builder, slice.contours);
   const auto field_of_view = add_vector<wire::Point>(builder, slice.field_of_view);
+  flatbuffers::Offset<flatbuffers::Vector<const wire::MaskRun*>> runs;
+  if (slice.has_mask()) runs = add_vector<wire::MaskRun>(builder, slice.mask_runs);
   const wire::Pose pose = to_wire(slice.pose);
-  builder.Finish(wire::CreateSlice(builder, &pose, slice.calibration_id, points, contours, field_of_view));
+  const wire::MaskGrid grid = to_wire(slice.mask_grid);
+  builder.Finish(wire::CreateSlice(builder, &pose, slice.calibration_id, points, contours, field_of_view,
+                                   slice.has_mask() ? &grid : nullptr, runs));
   std::memmove(space.data(), builder.GetBufferPointer(), builder.GetSize());
   return builder.GetSize();
 }
@@ -112,6 +126,28 @@ SliceFault check_contours(const Slice& slice, WireLabel max_label) {
   return next == slice.points.size() ? SliceFault::none : SliceFault::not_contiguous;
 }
 
+SliceFault check_mask(const Slice& slice, const SliceLimits& limits) {
+  const MaskGrid& grid = slice.mask_grid;
+  const std::uint32_t pixels = std::uint32_t{grid.width} * grid.height;
+  if (slice.mask_runs.size() > limits.max_mask_runs || pixels > limits.max_mask_pixels) return SliceFault::too_many;
+  if (!std::isfinite(grid.x_px) || !std::isfinite(grid.y_px) || !std::isfinite(grid.step_px)) {
+    return SliceFault::non_finite;
+  }
+  std::uint64_t filled = 0;
+  for (const MaskRun& run : slice.mask_runs) {
+    if (run.count == 0) return SliceFault::mask;
+    if (run.label > limits.max_label && run.label != kUnknownLabel) return SliceFault::bad_label;
+    filled += run.count;
+  }
+  return slice.points.empty() && grid.step_px > 0 && filled == pixels ? SliceFault::none : SliceFault::mask;
+}
+
+// Numbers that take part in sums of 64 bits.
+std::uint64_t record_len(std::uint64_t points, std::uint64_t contours, std::uint64_t runs) {
+  return kHeaderLen + kTableBound + sizeof(Point) * points + sizeof(Contour) * contours + sizeof(MaskRun) * runs +
+         kMaxPadding + kTrailerLen;
+}
+
 }  // namespace
 
 SliceFault check_slice(const Slice& slice, const SliceLimits& limits) {
@@ -123,17 +159,23 @@ SliceFault check_slice(const Slice& slice, const SliceLimits& limits) {
   if (const SliceFault fault = check_pose(slice.pose); fault != SliceFault::none) return fault;
   if (const SliceFault fault = check_contours(slice, limits.max_label); fault != SliceFault::none) return fault;
   const std::size_t corners = slice.field_of_view.size();
-  return corners == 1 || corners == 2 ? SliceFault::field_of_view : SliceFault::none;
+  if (corners == 1 || corners == 2) return SliceFault::field_of_view;
+  return slice.has_mask() ? check_mask(slice, limits) : SliceFault::none;
 }
 
-std::uint64_t max_record_len(std::uint64_t points, std::uint64_t contours, std::uint64_t field_of_view) {
-  return kHeaderLen + kTableBound + sizeof(Point) * (points + field_of_view) + sizeof(Contour) * contours +
-         kMaxPadding + kTrailerLen;
+std::uint64_t max_record_len(const Slice& slice) {
+  return record_len(slice.points.size() + slice.field_of_view.size(), slice.contours.size(), slice.mask_runs.size());
+}
+
+std::uint64_t max_record_len(const SliceLimits& limits) {
+  // A field of view beside either contours or a mask.
+  const std::uint64_t contours = record_len(2ull * limits.max_points, limits.max_contours, 0);
+  return std::max(contours, record_len(limits.max_points, 0, limits.max_mask_runs));
 }
 
 std::size_t encode_slice(const Slice& slice, const RecordInfo& info, std::span<std::byte> record) {
   assert(reinterpret_cast<std::uintptr_t>(record.data()) % kRecordAlign == 0);
-  if (max_record_len(slice.points.size(), slice.contours.size(), slice.field_of_view.size()) > record.size()) return 0;
+  if (max_record_len(slice) > record.size()) return 0;
   const std::size_t payload_len =
       build_payload(slice, record.subspan(kHeaderLen, record.size() - kHeaderLen - kMaxPadding - kTrailerLen));
   const std::size_t total = padded_total(payload_len);
@@ -146,6 +188,7 @@ std::size_t encode_slice(const Slice& slice, const RecordInfo& info, std::span<s
   header.major = kVersion.major;
   header.minor = info.minor;
   header.type = static_cast<std::uint16_t>(RecordType::slice);
+  header.incompat = slice.has_mask() ? kIncompatMask : std::uint8_t{0};
   header.total_len = static_cast<std::uint32_t>(total);
   header.payload_len = static_cast<std::uint32_t>(payload_len);
   header.seq = info.seq;
@@ -183,6 +226,8 @@ bool decode_slice(std::span<const std::byte> payload, Slice& slice) {
   slice.points = view<Point>(table->points());
   slice.contours = view<Contour>(table->contours());
   slice.field_of_view = view<Point>(table->field_of_view());
+  slice.mask_runs = view<MaskRun>(table->mask_runs());
+  slice.mask_grid = table->mask_grid() == nullptr ? MaskGrid{} : from_wire(*table->mask_grid());
   return true;
 }
 

@@ -15,6 +15,8 @@ struct SliceLimits {
   std::uint32_t max_points = 0;  ///< of all contours together; the field of view may have as many again
   std::uint32_t max_contours = 0;
   WireLabel max_label = 0;
+  std::uint32_t max_mask_runs = 0;  ///< 0: no masks
+  std::uint32_t max_mask_pixels = 0;
 };
 
 /// Why a slice means nothing. The first rule that it breaks, in this order.
@@ -28,13 +30,16 @@ enum class SliceFault : std::uint8_t {
   not_contiguous,  ///< the contours do not use the points one after the other, each exactly once
   bad_label,       ///< over max_label and not unknown; 0 without being a hole; an unknown flag
   field_of_view,   ///< 1 or 2 points
+  mask,            ///< contours beside it, a grid that is none, or runs that do not fill it
 };
 
-/// Checks a slice against the rules of protocol/slice.h. @cost O(#V + #C + #F)
+/// Checks a slice against the rules of protocol/slice.h. @cost O(#V + #C + #F + #R)
 [[nodiscard]] SliceFault check_slice(const Slice& slice, const SliceLimits& limits);
 
-/// A number of bytes that the record of any such slice (header, payload, padding, trailer) never exceeds.
-[[nodiscard]] std::uint64_t max_record_len(std::uint64_t points, std::uint64_t contours, std::uint64_t field_of_view);
+/// A number of bytes that the record of the slice, or of any within the limits, never exceeds: header, payload,
+/// padding, trailer.
+[[nodiscard]] std::uint64_t max_record_len(const Slice& slice);
+[[nodiscard]] std::uint64_t max_record_len(const SliceLimits& limits);
 
 /// What the sender of a record says about it, beside the slice itself.
 struct RecordInfo {
@@ -47,7 +52,7 @@ struct RecordInfo {
 /// @pre    record.data() is 64-byte aligned
 /// @return the record's length; 0 where the buffer is shorter than max_record_len() of this slice: nothing is usable
 /// @post   the length is no multiple of 64
-/// @cost   O(#V + #C + #F), two passes over the bytes; no heap
+/// @cost   O(#V + #C + #F + #R), two passes over the bytes; no heap
 [[nodiscard]] std::size_t encode_slice(const Slice& slice, const RecordInfo& info, std::span<std::byte> record);
 
 /// Fills in what changes while a record waits in the ring, and the sum over the header.

@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::int64_t kWatchdogMinMs = 100, kWatchdogMaxMs = 60000;
 constexpr std::uint64_t kNsPerMs = 1'000'000;
+constexpr std::uint32_t kBlobRetryMs = 50;
 
 bool usable(const protocol::CalibrationMessage& message) {
   return message.id != 0 && std::all_of(std::begin(message.image_to_probe), std::end(message.image_to_probe),
@@ -30,12 +31,12 @@ bool usable(const protocol::CalibrationMessage& message) {
 }  // namespace
 
 std::size_t record_slot_len(const protocol::SliceLimits& limits) {
-  const std::uint64_t len = protocol::max_record_len(limits.max_points, limits.max_contours, limits.max_points);
+  const std::uint64_t len = protocol::max_record_len(limits);
   return static_cast<std::size_t>((len + protocol::kRecordAlign - 1) / protocol::kRecordAlign * protocol::kRecordAlign);
 }
 
 Firmware::Firmware(const FirmwareConfig& config, std::span<std::byte> ring_memory)
-    : config_(config), ring_(ring_memory, record_slot_len(config.limits)) {}
+    : config_(config), ring_(ring_memory, record_slot_len(config.limits)), blobs_(config.blobs) {}
 
 std::size_t Firmware::handle_request(std::span<const std::byte> request, std::span<std::byte> reply,
                                      std::uint64_t now_ns) {
@@ -73,6 +74,12 @@ Firmware::Answer Firmware::answer(const protocol::RequestView& request, std::uin
     case Command::reset:
       reset();
       return {Status::ok};
+    case Command::begin_blob:
+      return begin_blob(request.payload);
+    case Command::get_blob:
+      return reply_with(blobs_.status());
+    case Command::keep_blob:
+      return keep_blob();
   }
   return {Status::not_implemented};
 }
@@ -101,7 +108,24 @@ Firmware::Answer Firmware::start(std::span<const std::byte> payload) {
   source_ended_ = false;
   next_seq_ = sent_ = dropped_ = 0;
   refused_ = 0;
+  events_.begin(session_id_);
+  blobs_.give_up();
   return {Status::ok};
+}
+
+Firmware::Answer Firmware::begin_blob(std::span<const std::byte> payload) {
+  protocol::BeginBlobRequest wanted;
+  if (!protocol::read_payload(payload, wanted)) return {Status::bad_request};
+  if (state_ != DeviceState::idle) return {Status::wrong_state};
+  return {blobs_.begin(wanted)};
+}
+
+Firmware::Answer Firmware::keep_blob() {
+  const Status kept = blobs_.keep();
+  if (kept != Status::pending) return {kept};
+  Answer later = reply_with(protocol::PendingReply{kBlobRetryMs});
+  later.status = Status::pending;
+  return later;
 }
 
 Firmware::Answer Firmware::param(std::span<const std::byte> payload, bool set) {
@@ -134,15 +158,15 @@ Firmware::Answer Firmware::time_sync(std::span<const std::byte> payload, std::ui
 void Firmware::acquire(const AcquiredSlice& slice, std::uint64_t now_ns) {
   tick(now_ns);
   if (state_ != DeviceState::streaming) return;
-  if (protocol::check_slice(slice, config_.limits) != protocol::SliceFault::none) {
+  const bool readable = !slice.has_mask() || minor_ >= protocol::kMaskMinor;
+  if (!readable || protocol::check_slice(slice, config_.limits) != protocol::SliceFault::none) {
     ++refused_;
     return;
   }
   if (ring_.full() && mode_ == StreamMode::lossless) {
     ++refused_;
     state_ = DeviceState::faulted;
-    fault_ = DeviceFault::ring_full;
-    return;
+    return fault(DeviceFault::ring_full, now_ns);
   }
   if (ring_.full()) {
     ring_.pop();
@@ -175,12 +199,32 @@ void Firmware::tick(std::uint64_t now_ns) {
   if (state_ == DeviceState::idle) return;
   if (now_ns < last_request_ns_ + static_cast<std::uint64_t>(watchdog_ms_) * kNsPerMs) return;
   stop();
-  fault_ = DeviceFault::watchdog;
+  fault(DeviceFault::watchdog, now_ns);
+}
+
+void Firmware::end_of_source(std::uint64_t now_ns) {
+  if (state_ != DeviceState::streaming || source_ended_) return;
+  source_ended_ = true;
+  tell(protocol::EventKind::source_ended, now_ns);
+}
+
+void Firmware::button(std::uint16_t number, bool pressed, std::uint64_t now_ns) {
+  if (state_ != DeviceState::idle) tell(protocol::EventKind::button, now_ns, number, pressed ? 1 : 0);
+}
+
+void Firmware::fault(DeviceFault fault, std::uint64_t now_ns) {
+  fault_ = fault;
+  tell(protocol::EventKind::state, now_ns);
+}
+
+void Firmware::tell(protocol::EventKind kind, std::uint64_t now_ns, std::uint16_t number, std::uint32_t value) {
+  events_.push({0, static_cast<std::uint16_t>(kind), number, value, 0, now_ns, 0, 0});
 }
 
 void Firmware::stop() {
   dropped_ += ring_.used();
   ring_.clear();
+  events_.clear();
   state_ = DeviceState::idle;
 }
 
@@ -192,6 +236,7 @@ void Firmware::reset() {
   source_ended_ = false;
   next_seq_ = sent_ = dropped_ = 0;
   refused_ = 0;
+  blobs_.give_up();
 }
 
 protocol::InfoReply Firmware::info() const {
@@ -200,10 +245,15 @@ protocol::InfoReply Firmware::info() const {
   info.minor = protocol::kVersion.minor;
   info.max_label = config_.limits.max_label;
   info.schema_hash = protocol::kSchemaHash;
-  info.capabilities = protocol::kCapSlices | protocol::kCapLossless | protocol::kCapCalibration;
+  info.capabilities = protocol::kCapSlices | protocol::kCapLossless | protocol::kCapCalibration | protocol::kCapEvents |
+                      protocol::kCapMasks | (config_.blobs == nullptr ? 0 : protocol::kCapBlobs);
   info.max_record = static_cast<std::uint32_t>(ring_.slot_len());
   info.max_points = config_.limits.max_points;
   info.max_contours = config_.limits.max_contours;
+  info.max_mask_runs = config_.limits.max_mask_runs;
+  info.max_mask_pixels = config_.limits.max_mask_pixels;
+  info.max_blob = blobs_.max_blob();
+  info.max_block = BlobReceiver::kMaxBlock;
   info.ring_capacity = ring_.capacity();
   info.clock_resolution_ns = 1;
   static_assert(sizeof(SONOLOFT_VERSION) <= sizeof(info.firmware_version));

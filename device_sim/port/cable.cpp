@@ -22,19 +22,38 @@ PortTransfer Cable::control(std::span<const std::byte> request, std::span<std::b
   if (gone_) return {PortStatus::gone, 0};
   const std::size_t size = firmware_.handle_request(request, reply, now_ns());
   to_acquisition_.notify_all();
+  to_host_.notify_all();  // the watchdog may have had a look
   return {PortStatus::ok, size};
 }
 
 PortTransfer Cable::read(std::span<std::byte> record, std::uint32_t timeout_ms) {
-  std::unique_lock lock(mutex_);
-  to_host_.wait_for(lock, std::chrono::milliseconds(timeout_ms),
-                    [&] { return gone_ || reads_cancelled_ || !firmware_.ring_empty(); });
-  if (gone_) return {PortStatus::gone, 0};
-  if (reads_cancelled_) return {PortStatus::cancelled, 0};
-  const std::size_t size = firmware_.take_record(record);
-  if (size == 0) return {PortStatus::timed_out, 0};
+  Lock lock(mutex_);
+  const PortStatus status = wait_for_host(lock, timeout_ms, &Firmware::ring_empty);
+  if (status != PortStatus::ok) return {status, 0};
   to_acquisition_.notify_all();
-  return {PortStatus::ok, size};
+  return {status, firmware_.take_record(record)};
+}
+
+PortTransfer Cable::read_event(std::span<std::byte> event, std::uint32_t timeout_ms) {
+  Lock lock(mutex_);
+  const PortStatus status = wait_for_host(lock, timeout_ms, &Firmware::events_empty);
+  return {status, status == PortStatus::ok ? firmware_.take_event(event) : 0};
+}
+
+// ok: there is something to take.
+PortStatus Cable::wait_for_host(Lock& lock, std::uint32_t timeout_ms, bool (Firmware::*nothing)() const) {
+  const auto ended = [&] { return gone_ || reads_cancelled_ || !(firmware_.*nothing)(); };
+  const bool in_time = to_host_.wait_for(lock, std::chrono::milliseconds(timeout_ms), ended);
+  if (gone_) return PortStatus::gone;
+  if (reads_cancelled_) return PortStatus::cancelled;
+  return in_time ? PortStatus::ok : PortStatus::timed_out;
+}
+
+PortTransfer Cable::write_block(std::span<const std::byte> block) {
+  const Lock lock(mutex_);
+  if (gone_) return {PortStatus::gone, 0};
+  firmware_.take_block(block);
+  return {PortStatus::ok, block.size()};
 }
 
 void Cable::cancel_reads() {
@@ -61,6 +80,7 @@ bool Cable::wait_to_acquire(std::optional<Clock::time_point> due) {
     const bool sleep_to_due = due && *due > Clock::now();
     to_acquisition_.wait_until(lock, sleep_to_due ? std::min(*due, next_tick) : next_tick);
     firmware_.tick(now_ns());
+    if (!firmware_.events_empty()) to_host_.notify_all();
   }
   return !gone_ && !shut_down_;
 }
@@ -73,7 +93,14 @@ void Cable::acquire(const AcquiredSlice& slice) {
 
 void Cable::end_of_source() {
   const std::lock_guard lock(mutex_);
-  firmware_.end_of_source();
+  firmware_.end_of_source(now_ns());
+  to_host_.notify_all();
+}
+
+void Cable::button(std::uint16_t number, bool pressed) {
+  const std::lock_guard lock(mutex_);
+  firmware_.button(number, pressed, now_ns());
+  to_host_.notify_all();
 }
 
 void Cable::shut_down() {

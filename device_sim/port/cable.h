@@ -27,6 +27,8 @@ class Cable final : public protocol::Port {
   // The host's side.
   [[nodiscard]] protocol::PortTransfer control(std::span<const std::byte> request, std::span<std::byte> reply) override;
   [[nodiscard]] protocol::PortTransfer read(std::span<std::byte> record, std::uint32_t timeout_ms) override;
+  [[nodiscard]] protocol::PortTransfer read_event(std::span<std::byte> event, std::uint32_t timeout_ms) override;
+  [[nodiscard]] protocol::PortTransfer write_block(std::span<const std::byte> block) override;
   void cancel_reads() override;
   void allow_reads() override;
 
@@ -38,6 +40,7 @@ class Cable final : public protocol::Port {
   [[nodiscard]] bool wait_to_acquire(std::optional<Clock::time_point> due);
   void acquire(const AcquiredSlice& slice);
   void end_of_source();
+  void button(std::uint16_t number, bool pressed);
   /// Ends every wait of the acquisition, now and later.
   void shut_down();
   /// Pulls the plug: every transfer of the host, now and later, ends with `gone`.
@@ -45,10 +48,14 @@ class Cable final : public protocol::Port {
   [[nodiscard]] protocol::StatsReply stats();
 
  private:
+  using Lock = std::unique_lock<std::mutex>;
+
+  [[nodiscard]] protocol::PortStatus wait_for_host(Lock& lock, std::uint32_t timeout_ms,
+                                                   bool (Firmware::*nothing)() const);
   [[nodiscard]] bool may_acquire(std::optional<Clock::time_point> due) const;
 
   std::mutex mutex_;
-  std::condition_variable to_host_;         ///< a record, the end of reads or of the device
+  std::condition_variable to_host_;         ///< a record, an event, the end of reads or of the device
   std::condition_variable to_acquisition_;  ///< a request, room in the ring, or the end of the device
   Firmware& firmware_;
   bool gone_ = false, shut_down_ = false, reads_cancelled_ = false;

@@ -36,6 +36,8 @@ class LoopbackDevice {
   [[nodiscard]] protocol::Port& port() { return cable_; }
   /// The cable is pulled, for good.
   void unplug() { cable_.unplug(); }
+  /// A button of the probe is pressed or let go.
+  void button(std::uint16_t number, bool pressed) { cable_.button(number, pressed); }
   /// What GET_STATS would say, without being a sign of life.
   [[nodiscard]] protocol::StatsReply stats() { return cable_.stats(); }
 

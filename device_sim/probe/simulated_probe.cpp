@@ -62,6 +62,8 @@ AcquiredSlice SimulatedFrame::view() const {
   slice.points = points;
   slice.contours = contours;
   slice.field_of_view = field_of_view;
+  slice.mask_grid = mask.grid;
+  slice.mask_runs = mask.runs;
   return slice;
 }
 
@@ -151,6 +153,10 @@ void SimulatedProbe::add_image(PhantomSection section, SimulatedFrame& frame) {
     frame.contours.push_back({static_cast<std::uint32_t>(frame.points.size()), loop.count, loop.label, flags});
     for (const Eigen::Vector2d& p : points) frame.points.push_back(pixel(p));
   }
+  if (options_.mask_pixels == 0) return;
+  frame.mask = paint_mask(frame.points, frame.contours, frame.field_of_view, options_.mask_pixels);
+  frame.points.clear();
+  frame.contours.clear();
 }
 
 protocol::Pose SimulatedProbe::track(const Eigen::Isometry3d& probe_to_reference, std::uint64_t time_ns) {

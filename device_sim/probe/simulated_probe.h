@@ -10,6 +10,7 @@
 #include "device_sim/probe/field_of_view.h"
 #include "device_sim/probe/phantom.h"
 #include "device_sim/probe/random.h"
+#include "device_sim/probe/segmentation_mask.h"
 #include "device_sim/probe/trajectory.h"
 #include "device_sim/probe/wander.h"
 
@@ -37,6 +38,7 @@ struct ProbeOptions {
   double contour_correlation_mm = 5;  ///< over this distance the error stays much the same
   double wrong_share = 0;             ///< of what is seen, in discs with a wrong label; up to 0.5; needs a sector
   double contact_lost_share = 0;      ///< of the beams, at both edges, on average; up to 0.5; needs a sector
+  std::uint16_t mask_pixels = 0;      ///< along the longer side of masks, sent instead of contours; 0: contours
   double wander_images = 40;          ///< over so many images bias and contact stay much the same, at least 1
 };
 
@@ -48,6 +50,7 @@ struct SimulatedFrame {
   std::uint32_t calibration_id = 0;
   std::vector<protocol::Point> points;         ///< image, pixels
   std::vector<protocol::Contour> contours;     ///< those that the field of view sees any part of, whole or nearly
+  SegmentationMask mask;                       ///< instead of the contours; without runs where they are sent
   std::vector<protocol::Point> field_of_view;  ///< image, pixels; empty: the whole plane
 
   /// Truth: where the image's plane was. Its frame is the image in mm: pixel times pixel_mm.

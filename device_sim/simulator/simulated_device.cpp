@@ -17,6 +17,8 @@ constexpr double kPixelsAlongSubject = 1000;
 constexpr double kHandsSubject_mm = 200;  ///< the length of a subject that the hand's own numbers are meant for
 constexpr double kFastClock_hz = 30;      ///< the device's clock where it does not pace
 constexpr std::uint32_t kMaxPoints = 1u << 16, kMaxContours = 1u << 12;
+constexpr std::uint16_t kMaskPixels = 512;
+constexpr std::uint32_t kMaxMaskRuns = 1u << 17, kMaxMaskPixels = std::uint32_t{kMaskPixels} * kMaskPixels;
 
 Trajectory trajectory_over(const Subject& subject, const ScanPlan& plan) {
   if (subject.recorded) {
@@ -46,6 +48,7 @@ ProbeOptions probe_options(const Subject& subject, const ScanPlan& plan, const T
   ProbeOptions options;
   options.seed = plan.seed;
   options.rate_hz = plan.rate_hz > 0 ? plan.rate_hz : kFastClock_hz;
+  if (plan.masks) options.mask_pixels = kMaskPixels;
   options.pixel_mm = std::clamp(bounds.sizes().maxCoeff() / kPixelsAlongSubject, 1e-3, 100.0);
   if (!subject.bones.empty())
     add_patient(subject, options);
@@ -57,7 +60,7 @@ ProbeOptions probe_options(const Subject& subject, const ScanPlan& plan, const T
 FirmwareConfig firmware_for(const Subject& subject, const SimulatedProbe& probe, std::uint32_t calibration_id) {
   FirmwareConfig config;
   config.limits = {std::max(kMaxPoints, subject.max_points), std::max(kMaxContours, subject.max_contours),
-                   kFirstReservedLabel - 1};
+                   kFirstReservedLabel - 1, kMaxMaskRuns, kMaxMaskPixels};
   config.calibration.id = calibration_id;
   const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> rows = probe.image_to_probe();
   std::copy_n(rows.data(), rows.size(), config.calibration.image_to_probe);
@@ -79,6 +82,7 @@ Made<SimulatedDevice> SimulatedDevice::make(const Subject& subject, const ScanPl
   made->on_slice_ = std::move(on_slice);
   made->probe_ = std::move(probe.value);
   made->firmware_ = firmware_for(subject, *made->probe_, options.calibration_id);
+  made->firmware_.blobs = &made->blobs_;
   LoopbackOptions loopback;
   loopback.firmware = made->firmware_;
   if (plan.rate_hz > 0) loopback.rate_hz = plan.rate_hz;

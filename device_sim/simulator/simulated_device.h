@@ -8,6 +8,7 @@
 
 #include "device_sim/port/loopback_device.h"
 #include "device_sim/probe/simulated_probe.h"
+#include "device_sim/simulator/memory_blobs.h"
 #include "protocol/command.h"
 #include "protocol/port.h"
 
@@ -25,6 +26,7 @@ struct ScanPlan {
   std::optional<std::uint32_t> slices;  ///< at least 1, of recorded ones at most as many as there are; none: 60, of a
                                         ///< subject with bones 300, or all that were recorded
   double rate_hz = 10;                  ///< 0: as fast as the host takes them
+  bool masks = false;                   ///< it sends masks of 512 pixels, as a segmenting network gives them
   std::uint64_t seed = 1;               ///< of the hand's tremor and of all noise
 };
 
@@ -42,14 +44,19 @@ class SimulatedDevice {
 
   /// @pre whoever uses it is gone before the device is
   [[nodiscard]] protocol::Port& port() { return device_->port(); }
+  /// A button of the probe is pressed or let go.
+  void button(std::uint16_t number, bool pressed) { device_->button(number, pressed); }
   [[nodiscard]] std::size_t slices() const { return probe_->image_count(); }
   [[nodiscard]] const FirmwareConfig& firmware() const { return firmware_; }
+  /// @pre nobody uses the port
+  [[nodiscard]] const MemoryBlobs& blobs() const { return blobs_; }
 
  private:
   SimulatedDevice() = default;
   const AcquiredSlice* next();
 
   std::function<void(const AcquiredSlice&)> on_slice_;
+  MemoryBlobs blobs_;
   FirmwareConfig firmware_;
   std::unique_ptr<SimulatedProbe> probe_;
   std::optional<SimulatedFrame> frame_;

@@ -25,6 +25,8 @@ const double* flat(const std::vector<Eigen::Vector2d>& points) {
   return points.empty() ? nullptr : points.front().data();
 }
 
+}  // namespace
+
 std::vector<sonoloft_contour> contours_of(const TrackedSlice& slice) {
   std::vector<sonoloft_contour> contours;
   for (const Contour& c : slice.contours)
@@ -32,8 +34,7 @@ std::vector<sonoloft_contour> contours_of(const TrackedSlice& slice) {
   return contours;
 }
 
-sonoloft_slice slice_of(const SliceReport& report, const std::vector<sonoloft_contour>& contours) {
-  const device::DeliveredSlice& delivered = *report.slice;
+sonoloft_slice slice_of(const device::DeliveredSlice& delivered, const std::vector<sonoloft_contour>& contours) {
   const TrackedSlice& slice = delivered.slice;
   sonoloft_slice out{};
   out.id = slice.id;
@@ -48,6 +49,24 @@ sonoloft_slice slice_of(const SliceReport& report, const std::vector<sonoloft_co
   out.points_mm = flat(slice.points);
   out.contour = contours.data();
   out.field_of_view_mm = flat(slice.field_of_view);
+  out.fate = SONOLOFT_UNDECIDED;
+  out.reason = "";
+  return out;
+}
+
+std::vector<std::uint16_t> label_pairs_of(const std::vector<Label>& front, const std::vector<Label>& back) {
+  std::vector<std::uint16_t> pairs(2 * front.size());
+  for (std::size_t t = 0; t < front.size(); ++t) {
+    pairs[2 * t] = front[t];
+    pairs[2 * t + 1] = back[t];
+  }
+  return pairs;
+}
+
+namespace {
+
+sonoloft_slice reported(const SliceReport& report, const std::vector<sonoloft_contour>& contours) {
+  sonoloft_slice out = slice_of(*report.slice, contours);
   out.fate = static_cast<sonoloft_fate>(report.fate);
   out.reason = report.reason.c_str();
   out.latency_ms = report.latency_ms;
@@ -56,15 +75,39 @@ sonoloft_slice slice_of(const SliceReport& report, const std::vector<sonoloft_co
 
 void join(const sonoloft_mesh& m) {
   m.mesh = m.update->mesh.indexed();
-  m.label_pairs.resize(2 * m.mesh.triangles.size());
-  for (std::size_t t = 0; t < m.mesh.triangles.size(); ++t) {
-    m.label_pairs[2 * t] = m.mesh.label_front[t];
-    m.label_pairs[2 * t + 1] = m.mesh.label_back[t];
-  }
+  m.label_pairs = label_pairs_of(m.mesh.label_front, m.mesh.label_back);
   m.arrays = {m.mesh.positions.size(), m.mesh.triangles.size(), nullptr, nullptr, m.label_pairs.data()};
   if (m.mesh.triangles.empty()) return;
   m.arrays.positions_mm = m.mesh.positions.front().data();
   m.arrays.corners = m.mesh.triangles.front().data();
+}
+
+sonoloft_chunk chunk_of(const MeshChunk& chunk, const std::vector<std::uint16_t>& label_pairs) {
+  return {chunk.coord.x,
+          chunk.coord.y,
+          chunk.coord.z,
+          chunk.positions.size(),
+          chunk.triangles.size(),
+          chunk.positions.front().data(),
+          chunk.triangles.front().data(),
+          label_pairs.data()};
+}
+
+// Both lists ascend by coordinates.
+void cut(const sonoloft_mesh& m) {
+  m.chunks.clear();  // of a time that found no memory
+  m.chunk_label_pairs.clear();
+  auto chunk = m.update->mesh.chunks.begin();
+  const auto end = m.update->mesh.chunks.end();
+  for (const BrickCoord& coord : m.update->changed_chunks) {
+    while (chunk != end && (*chunk)->coord < coord) ++chunk;
+    if (chunk == end || coord < (*chunk)->coord) {
+      m.chunks.push_back({coord.x, coord.y, coord.z, 0, 0, nullptr, nullptr, nullptr});
+      continue;
+    }
+    m.chunk_label_pairs.push_back(label_pairs_of((*chunk)->label_front, (*chunk)->label_back));
+    m.chunks.push_back(chunk_of(**chunk, m.chunk_label_pairs.back()));
+  }
 }
 
 }  // namespace
@@ -74,7 +117,7 @@ sonoloft_mesh::sonoloft_mesh(std::shared_ptr<const MeshUpdate> made) : update(st
   for (const LabelStatistics& l : update->labels) labels.push_back({l.label, l.triangles, l.volume_ml});
   for (const SliceReport& report : update->slices) {
     contours.push_back(capi::contours_of(report.slice->slice));
-    slices.push_back(capi::slice_of(report, contours.back()));
+    slices.push_back(capi::reported(report, contours.back()));
   }
   info = {update->revision, update->skipped_revisions, static_cast<sonoloft_detail>(update->detail), labels.size(),
           slices.size(),    update->reconstruct_ms};
@@ -98,6 +141,20 @@ const sonoloft_mesh_arrays* sonoloft_mesh_get_arrays(const sonoloft_mesh* mesh) 
   try {
     std::call_once(mesh->joined, [mesh] { capi::join(*mesh); });
     return &mesh->arrays;
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+size_t sonoloft_mesh_changed_chunks(const sonoloft_mesh* mesh) {
+  return mesh ? mesh->update->changed_chunks.size() : 0;
+}
+
+const sonoloft_chunk* sonoloft_mesh_changed_chunk(const sonoloft_mesh* mesh, size_t index) {
+  if (index >= sonoloft_mesh_changed_chunks(mesh)) return nullptr;
+  try {
+    std::call_once(mesh->cut, [mesh] { capi::cut(*mesh); });
+    return &mesh->chunks[index];
   } catch (const std::bad_alloc&) {
     return nullptr;
   }

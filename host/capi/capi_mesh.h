@@ -28,9 +28,21 @@ struct sonoloft_mesh {
   mutable sonoloft::IndexedMesh mesh;
   mutable std::vector<std::uint16_t> label_pairs;
   mutable sonoloft_mesh_arrays arrays{};
+  mutable std::once_flag cut;
+  mutable std::vector<sonoloft_chunk> chunks;  ///< those that changed
+  mutable std::vector<std::vector<std::uint16_t>> chunk_label_pairs;
 };
 
 namespace sonoloft::capi {
+
+/// Front and back of every triangle.
+[[nodiscard]] std::vector<std::uint16_t> label_pairs_of(const std::vector<Label>& front,
+                                                        const std::vector<Label>& back);
+
+[[nodiscard]] std::vector<sonoloft_contour> contours_of(const TrackedSlice& slice);
+/// Undecided. @pre `slice` and `contours` outlive what is returned
+[[nodiscard]] sonoloft_slice slice_of(const device::DeliveredSlice& slice,
+                                      const std::vector<sonoloft_contour>& contours);
 
 /// 3 by 4, row by row.
 void write_rows(const Eigen::Isometry3d& pose, double (&rows)[12]);

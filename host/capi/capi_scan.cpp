@@ -25,6 +25,9 @@ static_assert(SONOLOFT_SLICES_DROPPED == static_cast<int>(ScanEventKind::slices_
 static_assert(SONOLOFT_CALLBACK_THREW == static_cast<int>(ScanEventKind::callback_threw));
 static_assert(SONOLOFT_RECONSTRUCTION_FAILED == static_cast<int>(ScanEventKind::reconstruction_failed));
 static_assert(SONOLOFT_END_OF_DATA == static_cast<int>(ScanEventKind::end_of_data));
+static_assert(SONOLOFT_BUTTON == static_cast<int>(ScanEventKind::button));
+static_assert(SONOLOFT_BLOB_FIRMWARE == static_cast<int>(device::BlobKind::firmware));
+static_assert(SONOLOFT_BLOB_CALIBRATION == static_cast<int>(device::BlobKind::calibration));
 
 Result<ScanOptions> options_of(const sonoloft_scan_options* given) {
   const auto read = read_sized(given);
@@ -54,8 +57,18 @@ ScanCallbacks callbacks_of(const sonoloft_callbacks& c) {
   }
   if (c.on_event) {
     callbacks.on_event = [c](const ScanEvent& event) {
-      const sonoloft_event of_c{static_cast<sonoloft_event_kind>(event.kind), event.message.c_str()};
+      const device::Button button = event.button.value_or(device::Button{});
+      const sonoloft_event of_c{
+          static_cast<sonoloft_event_kind>(event.kind),         event.message.c_str(), button.number,
+          button.pressed ? std::uint16_t{1} : std::uint16_t{0}, button.time.count(),   ends_run(event.kind) ? 1 : 0};
       c.on_event(c.user, &of_c);
+    };
+  }
+  if (c.on_slice) {
+    callbacks.on_slice = [c](std::shared_ptr<const device::DeliveredSlice> slice) {
+      const auto contours = contours_of(slice->slice);
+      const sonoloft_slice of_c = slice_of(*slice, contours);
+      c.on_slice(c.user, &of_c);
     };
   }
   return callbacks;
@@ -129,6 +142,15 @@ void sonoloft_scan_stop(sonoloft_scan* scan) {
 
 void sonoloft_scan_close(sonoloft_scan* scan) {
   delete scan;
+}
+
+sonoloft_status sonoloft_scan_send_blob(sonoloft_scan* scan, sonoloft_blob_kind kind, const void* bytes, size_t length,
+                                        sonoloft_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (auto given = need(scan, bytes); !given) return given;
+    return scan->session->send_blob(static_cast<device::BlobKind>(kind),
+                                    {static_cast<const std::byte*>(bytes), length});
+  });
 }
 
 sonoloft_status sonoloft_scan_withdraw(sonoloft_scan* scan, uint64_t slice_id, sonoloft_error* error) {

@@ -56,6 +56,11 @@ class CTransport final : public device::Transport {
     return result_of(functions_.start_stream(functions_.user, &sink_, max_record));
   }
   void stop_stream() override { functions_.stop_stream(functions_.user); }
+  Result<void> send_block(std::span<const std::byte> block, std::chrono::milliseconds timeout) override {
+    if (!functions_.send_block) return Transport::send_block(block, timeout);
+    return result_of(functions_.send_block(functions_.user, block.data(), block.size(),
+                                           static_cast<std::uint32_t>(timeout.count())));
+  }
 
  private:
   const sonoloft_transport functions_;
@@ -82,6 +87,10 @@ void sonoloft_sink_transfer(sonoloft_sink* sink, const void* bytes, size_t lengt
     bytes = std::memcpy(sink->aligned.data(), bytes, length);
   }
   sink->sink->on_transfer({static_cast<const std::byte*>(bytes), length});
+}
+
+void sonoloft_sink_event(sonoloft_sink* sink, const void* bytes, size_t length) {
+  sink->sink->on_event({static_cast<const std::byte*>(bytes), length});
 }
 
 void sonoloft_sink_gone(sonoloft_sink* sink) {

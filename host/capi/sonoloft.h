@@ -119,7 +119,7 @@ sonoloft_status sonoloft_open_simulated(const sonoloft_simulation* simulation, s
 typedef struct sonoloft_sink sonoloft_sink;
 
 /* A way of your own to reach a device, which need not know what the bytes mean; host/device/transport.h says more. All
- * but `close` is needed; threads are yours. */
+ * but `close` and `send_block` is needed; threads are yours. */
 typedef struct sonoloft_transport {
   size_t size;
   void* user; /* comes back in every call */
@@ -134,11 +134,15 @@ typedef struct sonoloft_transport {
   void (*stop_stream)(void* user);
   /* The last call of all. */
   void (*close)(void* user);
+  /* Sends one block of a blob; on any thread but that which calls the sink. NULL: this way takes none. */
+  sonoloft_status (*send_block)(void* user, const void* bytes, size_t length, uint32_t timeout_ms);
 } sonoloft_transport;
 
 /* One finished transfer; may block, which is to hold later ones on the device's side. Copied once where `bytes` are not
  * 64-byte aligned. */
 void sonoloft_sink_transfer(sonoloft_sink* sink, const void* bytes, size_t length);
+/* Something that the device tells by itself; on any thread, also while a transfer is handed over; does not block. */
+void sonoloft_sink_event(sonoloft_sink* sink, const void* bytes, size_t length);
 /* The device went away: nothing follows. */
 void sonoloft_sink_gone(sonoloft_sink* sink);
 
@@ -186,6 +190,20 @@ typedef struct sonoloft_mesh_arrays {
 /* The first call joins the chunks of the mesh, some ns a triangle. NULL: out of memory. */
 const sonoloft_mesh_arrays* sonoloft_mesh_get_arrays(const sonoloft_mesh* mesh);
 
+/* A part of the mesh: its triangles in a cube of space. Vertices on its border are repeated in the chunks beside it. */
+typedef struct sonoloft_chunk {
+  int32_t x, y, z; /* which cube: by this it is known in every mesh */
+  size_t vertices, triangles;
+  const float* positions_mm;   /* [3 * vertices] */
+  const uint32_t* corners;     /* [3 * triangles] indices of the chunk's vertices */
+  const uint16_t* label_pairs; /* [2 * triangles] */
+} sonoloft_chunk;
+/* Chunks that changed, appeared or vanished (then without triangles) since the mesh delivered before: what a graphics
+ * card has to be told. After a change of detail, all of them. */
+size_t sonoloft_mesh_changed_chunks(const sonoloft_mesh* mesh);
+/* NULL: there is no such index, or out of memory. */
+const sonoloft_chunk* sonoloft_mesh_changed_chunk(const sonoloft_mesh* mesh, size_t index);
+
 typedef struct sonoloft_label {
   uint16_t label;   /* a material, from 1 on */
   size_t triangles; /* that bound it */
@@ -200,7 +218,8 @@ typedef enum sonoloft_fate {
   SONOLOFT_INSERTED = 0,  /* the mesh may have changed */
   SONOLOFT_EXPLAINED = 1, /* it says what was known already */
   SONOLOFT_MERGED = 2,    /* it says something new, but lies too near to others to be interpolated */
-  SONOLOFT_REFUSED = 3    /* it is not used, for the reason given */
+  SONOLOFT_REFUSED = 3,   /* it is not used, for the reason given */
+  SONOLOFT_UNDECIDED = 4  /* of on_slice: the reconstruction has not seen it yet */
 } sonoloft_fate;
 
 enum { SONOLOFT_UNKNOWN_LABEL = 0xFFFF }; /* of a contour: not measured, a shadow */
@@ -225,7 +244,7 @@ typedef struct sonoloft_slice {
   const double* field_of_view_mm;  /* [2 * field_of_view_points] closed polygon, image; none: the whole plane */
   sonoloft_fate fate;
   const char* reason; /* of a refused slice: cause and remedy */
-  double latency_ms;  /* from the slice's arrival at this machine to the callback */
+  double latency_ms;  /* from the slice's arrival at this machine to on_mesh; of on_slice 0 */
 } sonoloft_slice;
 /* In the order of arrival; lives as long as the mesh. NULL: there is no such index. */
 const sonoloft_slice* sonoloft_mesh_slice(const sonoloft_mesh* mesh, size_t index);
@@ -262,21 +281,27 @@ typedef enum sonoloft_event_kind {
   SONOLOFT_SLICES_DROPPED = 2,        /* slices come faster than they are used */
   SONOLOFT_CALLBACK_THREW = 3,        /* a C++ exception left on_mesh */
   SONOLOFT_RECONSTRUCTION_FAILED = 4, /* the run ends with this callback */
-  SONOLOFT_END_OF_DATA = 5            /* the device has no more slices, and the mesh of its last one was delivered */
+  SONOLOFT_END_OF_DATA = 5,           /* the device has no more slices, and the mesh of its last one was delivered */
+  SONOLOFT_BUTTON = 6                 /* a button of the probe was pressed or let go */
 } sonoloft_event_kind;
 
 typedef struct sonoloft_event {
   sonoloft_event_kind kind;
   const char* message; /* one line, cause and remedy */
+  uint16_t button;     /* of SONOLOFT_BUTTON: its number, from 0 */
+  uint16_t pressed;    /* not 0: pressed; 0: let go */
+  int64_t time_ns;     /* and when, device clock */
+  int32_t ends_run;    /* not 0: no mesh of a new slice follows in this run */
 } sonoloft_event;
 
-/* Called on the scan's own thread, one call at a time, with no lock held. Either may be NULL. What they are given lives
+/* Called on the scan's own thread, one call at a time, with no lock held. Each may be NULL. What they are given lives
  * during the call; a mesh may be retained. While one runs slices wait, the link does not. */
 typedef struct sonoloft_callbacks {
   size_t size;
   void* user;
   void (*on_mesh)(void* user, sonoloft_mesh* mesh);
   void (*on_event)(void* user, const sonoloft_event* event);
+  void (*on_slice)(void* user, const sonoloft_slice* slice); /* each in order, before the mesh that has it is made */
 } sonoloft_callbacks;
 
 /* Starts a run; later runs of a scan go on with the same mesh. Callbacks may come before it returns. A device that went
@@ -292,6 +317,15 @@ void sonoloft_scan_stop(sonoloft_scan* scan);
  * on the scan's thread soon after. From elsewhere: everything is down on return. No other thread may be in a call with
  * this scan, but for a start whose first callback this is. NULL does nothing. */
 void sonoloft_scan_close(sonoloft_scan* scan);
+
+typedef enum sonoloft_blob_kind {
+  SONOLOFT_BLOB_FIRMWARE = 1,   /* an image for the device to run */
+  SONOLOFT_BLOB_CALIBRATION = 2 /* what its maker measured */
+} sonoloft_blob_kind;
+/* Sends a blob to the device, which keeps it. Not while a run goes on: SONOLOFT_WRONG_STATE; NOT_AVAILABLE: the device
+ * takes none; REFUSED_BY_DEVICE: not what it takes. Waits until it is kept: seconds. */
+sonoloft_status sonoloft_scan_send_blob(sonoloft_scan* scan, sonoloft_blob_kind kind, const void* bytes, size_t length,
+                                        sonoloft_error* error);
 
 /* Takes back a slice by its id: in a run a mesh without it follows at once. Waits for an update that runs. */
 sonoloft_status sonoloft_scan_withdraw(sonoloft_scan* scan, uint64_t slice_id, sonoloft_error* error);

@@ -1,8 +1,12 @@
 #include "host/device/calibration.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstdio>
+#include <utility>
+
+#include "core/slice/mask/label_mask.h"
 
 namespace sonoloft::device {
 namespace {
@@ -17,6 +21,35 @@ std::vector<Eigen::Vector2d> to_mm(std::span<const protocol::Point> points, cons
     result.emplace_back(double{p.x_px} * pixel_size_mm.x(), double{p.y_px} * pixel_size_mm.y());
   }
   return result;
+}
+
+void add_contours(const protocol::Slice& slice, const Eigen::Vector2d& pixel_size_mm, TrackedSlice& tracked) {
+  tracked.points = to_mm(slice.points, pixel_size_mm);
+  tracked.contours.reserve(slice.contours.size());
+  for (const protocol::Contour& c : slice.contours) {
+    tracked.contours.push_back({c.first, c.count, c.label, (c.flags & protocol::kHoleFlag) != 0});
+  }
+}
+
+// Beyond its grid nothing was seen.
+void add_mask(const protocol::Slice& slice, const Eigen::Vector2d& pixel_size_mm, TrackedSlice& tracked) {
+  const protocol::MaskGrid& grid = slice.mask_grid;
+  std::vector<Label> labels;
+  labels.reserve(std::size_t{grid.width} * grid.height);
+  for (const protocol::MaskRun& run : slice.mask_runs) labels.insert(labels.end(), run.count, run.label);
+  MaskContours traced = trace_mask({grid.width, grid.height, labels});
+  const auto to_mm = [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+    return (Eigen::Vector2d(grid.x_px, grid.y_px) + grid.step_px * pixel).cwiseProduct(pixel_size_mm);
+  };
+  std::transform(traced.points.begin(), traced.points.end(), traced.points.begin(), to_mm);
+  tracked.points = std::move(traced.points);
+  tracked.contours = std::move(traced.contours);
+  if (!tracked.field_of_view.empty()) return;
+  const double right = grid.width - 0.5, bottom = grid.height - 0.5;
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(-0.5, -0.5), Eigen::Vector2d(right, -0.5),
+                                        Eigen::Vector2d(right, bottom), Eigen::Vector2d(-0.5, bottom)}) {
+    tracked.field_of_view.push_back(to_mm(corner));
+  }
 }
 
 }  // namespace
@@ -70,12 +103,12 @@ DeliveredSlice to_delivered(const protocol::Slice& slice, std::uint64_t seq, con
   tracked.id = seq;
   tracked.time = std::chrono::nanoseconds(slice.time_ns);
   tracked.image_to_reference = probe_to_reference * calibration.image_to_probe;
-  tracked.points = to_mm(slice.points, calibration.pixel_size_mm);
-  tracked.contours.reserve(slice.contours.size());
-  for (const protocol::Contour& c : slice.contours) {
-    tracked.contours.push_back({c.first, c.count, c.label, (c.flags & protocol::kHoleFlag) != 0});
-  }
   tracked.field_of_view = to_mm(slice.field_of_view, calibration.pixel_size_mm);
+  if (slice.has_mask()) {
+    add_mask(slice, calibration.pixel_size_mm, tracked);
+  } else {
+    add_contours(slice, calibration.pixel_size_mm, tracked);
+  }
   return delivered;
 }
 

@@ -24,9 +24,10 @@ struct Calibration {
 ///        more than 0.06 degrees off a right angle; less is made square, keeping x)
 [[nodiscard]] Result<Calibration> make_calibration(const protocol::CalibrationMessage& message);
 
-/// An accepted slice in mm: points times pixel size, image_to_reference = ProbeToReference * ImageToProbe.
+/// An accepted slice in mm: points, or the borders of its mask, times pixel size, image_to_reference = ProbeToReference
+/// * ImageToProbe.
 /// @pre  slice passed protocol::check_slice(); slice.calibration_id == calibration.id
-/// @cost O(#V + #C + #F); allocates
+/// @cost O(#V + #C + #F), or that of trace_mask(); allocates
 [[nodiscard]] DeliveredSlice to_delivered(const protocol::Slice& slice, std::uint64_t seq,
                                           const Calibration& calibration,
                                           std::chrono::steady_clock::time_point arrival);

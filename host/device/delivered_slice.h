@@ -31,11 +31,26 @@ enum class EventKind : std::uint8_t {
   callback_threw,  ///< an exception left a callback; the message is its what()
   device_fault,    ///< the device stopped by itself; the message says why
   end_of_data,     ///< the device's source has ended and every slice of it was delivered or counted
+  button,          ///< a button of the probe; see Event::button
+};
+
+/// No slice follows in this run.
+[[nodiscard]] constexpr bool ends_run(EventKind kind) {
+  return kind == EventKind::disconnected || kind == EventKind::device_fault || kind == EventKind::end_of_data;
+}
+
+/// A button of the probe was pressed or let go.
+struct Button {
+  std::uint16_t number = 0;  ///< from 0
+  bool pressed = false;
+  std::chrono::nanoseconds time{0};   ///< device clock
+  std::optional<HostTime> host_time;  ///< the same on the host's clock; empty while that is unknown
 };
 
 struct Event {
   EventKind kind;
-  std::string message;  ///< one line, cause and remedy
+  std::string message;                ///< one line, cause and remedy
+  std::optional<Button> button = {};  ///< iff kind is button
 };
 
 /// What a run calls. Both run on the run's dispatcher thread only, one at a time, with no lock held; every member of

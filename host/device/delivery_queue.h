@@ -9,7 +9,8 @@
 
 namespace sonoloft::device {
 
-/// What waits for the dispatcher, in order. Only slices count against the capacity; events are few by their nature.
+/// What waits for the dispatcher, in order. Only slices count against the capacity; of events whoever adds them sees to
+/// it that they are few.
 /// Threads: one at a time.
 class DeliveryQueue {
  public:
@@ -21,6 +22,7 @@ class DeliveryQueue {
   [[nodiscard]] bool empty() const { return items_.empty(); }
   [[nodiscard]] bool full() const { return slices_ >= capacity_; }
   [[nodiscard]] std::size_t slices() const { return slices_; }
+  [[nodiscard]] std::size_t events() const { return items_.size() - slices_; }
 
   /// Adds a slice; of a full queue the oldest slice gives way. The first time since the queue was last empty an event
   /// says so. @return whether a slice was dropped

@@ -20,6 +20,7 @@ constexpr std::chrono::milliseconds kBeatPeriod{250};  // the device gives up af
 constexpr std::chrono::milliseconds kBeatPatience{500};
 constexpr std::chrono::milliseconds kStopPatience{300};
 constexpr int kQuietBeats = 4;
+constexpr std::size_t kMostEvents = 256;  // that wait for a callback; nobody presses buttons so fast
 // A stream that stands still is restarted, then the device reset, then given up: this long after each other. One that
 // answers no requests either is only given up; the next start resets it.
 constexpr std::chrono::seconds kStillPatience{1};
@@ -98,7 +99,7 @@ bool Run::stopping() const {
 Statistics Run::statistics() const {
   const auto clock = clock_.figures();
   const std::lock_guard lock(mutex_);
-  return {books_.ledger(), rejected_, clock};
+  return {books_.ledger(), rejected_, events_lost_, clock};
 }
 
 // ---- the event thread
@@ -140,6 +141,35 @@ void Run::enqueue(std::shared_ptr<const DeliveredSlice> slice, std::uint32_t dev
   }
   if (!books_.receive(slice->slice.id, device_dropped_total)) return;
   if (queue_.push(std::move(slice))) books_.drop_on_host(1);
+  to_dispatcher_.notify_all();
+}
+
+// What the device says of its state is news, not truth: the keeper asks. So nothing hangs on an event that got lost.
+void Run::on_event(std::span<const std::byte> bytes) {
+  const auto event = protocol::parse_event(bytes);
+  if (!event || event->session_id != plan_.start.session_id) return;
+  const bool button = static_cast<protocol::EventKind>(event->kind) == protocol::EventKind::button;
+  {
+    const std::lock_guard lock(mutex_);
+    if (event->seq < next_event_) return;
+    events_lost_ += event->seq - next_event_;
+    next_event_ = event->seq + 1;
+    beat_early_ |= !button;
+    to_keeper_.notify_all();
+  }
+  if (button) report_button(*event);
+}
+
+void Run::report_button(const protocol::EventMessage& event) {
+  Button button{event.number, event.value != 0, std::chrono::nanoseconds(event.t_device_ns), {}};
+  button.host_time = clock_.at(button.time);
+  const std::string what = button.pressed ? " was pressed" : " was let go";
+  const std::lock_guard lock(mutex_);
+  if (queue_.events() >= kMostEvents) {
+    ++events_lost_;
+    return;
+  }
+  queue_.push(Event{EventKind::button, "button " + std::to_string(button.number) + " of the probe" + what, button});
   to_dispatcher_.notify_all();
 }
 
@@ -215,7 +245,10 @@ void Run::keep() {
 
 bool Run::wait_for_work() {
   std::unique_lock lock(mutex_);
-  return !to_keeper_.wait_until(lock, std::min(next_beat_, clock_.next_burst()), [&] { return stopping_ || gone_; });
+  to_keeper_.wait_until(lock, std::min(next_beat_, clock_.next_burst()),
+                        [&] { return stopping_ || gone_ || beat_early_; });
+  if (std::exchange(beat_early_, false)) next_beat_ = std::chrono::steady_clock::now();
+  return !stopping_ && !gone_;
 }
 
 void Run::synchronise() {

@@ -16,6 +16,7 @@
 #include "host/device/transport.h"
 #include "protocol/accept.h"
 #include "protocol/command.h"
+#include "protocol/event.h"
 
 namespace sonoloft::device {
 
@@ -52,7 +53,9 @@ class Run final : private TransferSink {
 
  private:
   void on_transfer(std::span<const std::byte> transfer) override;
+  void on_event(std::span<const std::byte> bytes) override;
   void on_gone() override;
+  void report_button(const protocol::EventMessage& event);
   void count_reject(protocol::Reject reason);
   void enqueue(std::shared_ptr<const DeliveredSlice> slice, std::uint32_t device_dropped_total);
 
@@ -91,6 +94,9 @@ class Run final : private TransferSink {
   DeliveryQueue queue_;
   Books books_;
   std::array<std::uint64_t, protocol::kRejectCount> rejected_{};
+  std::uint32_t next_event_ = 0;  ///< its number
+  std::uint64_t events_lost_ = 0;
+  bool beat_early_ = false;  ///< the device has news of itself
   bool stopping_ = false, gone_ = false;
   bool stalled_ = false;  ///< gone_ in effect, but it may still answer
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/slice/section.h"
+#include "host/device/blob_sender.h"
 #include "host/device/requester.h"
 #include "host/device/run.h"
 #include "protocol/accept.h"
@@ -19,7 +20,9 @@ using protocol::Command;
 
 namespace {
 
-constexpr std::uint32_t kMaxRecordLimit = 64u << 20;  // what we would allocate on a device's word
+// What we would allocate on a device's word.
+constexpr std::uint32_t kMaxRecordLimit = 64u << 20, kMaxMaskRuns = 1u << 22, kMaxMaskPixels = 1u << 24;
+constexpr std::size_t kMinBlock = 128, kMaxBlock = 1u << 16;
 
 template <std::size_t N>
 std::string text(const char (&field)[N]) {
@@ -71,6 +74,10 @@ Result<DeviceInfo> agree(const protocol::InfoReply& reply) {
   info.max_contours = std::min(reply.max_contours, kMaxSliceContours);
   info.max_label = std::min<Label>(reply.max_label, kMaxLabel);
   info.ring_capacity = reply.ring_capacity;
+  info.max_mask_runs = std::min(reply.max_mask_runs, kMaxMaskRuns);
+  info.max_mask_pixels = std::min(reply.max_mask_pixels, kMaxMaskPixels);
+  info.max_blob = (reply.capabilities & protocol::kCapBlobs) == 0 ? 0 : reply.max_blob;
+  info.max_block = reply.max_block;
   return info;
 }
 
@@ -82,7 +89,7 @@ Run::Plan make_plan(const DeviceInfo& info, const Calibration& calibration, cons
                     info.schema_hash,
                     session_id,
                     static_cast<std::uint32_t>(info.max_record),
-                    {info.max_points, info.max_contours, info.max_label}};
+                    {info.max_points, info.max_contours, info.max_label, info.max_mask_runs, info.max_mask_pixels}};
   plan.calibration = calibration;
   plan.queue_capacity = options.queue_capacity;
   plan.start = {session_id, protocol::kSliceStream, static_cast<std::uint16_t>(options.mode), info.version.major,
@@ -148,11 +155,7 @@ Result<void> Session::start(const StreamOptions& options, Callbacks callbacks) {
     return mismatch("capabilities of the device", hex(info_.capabilities), hex(protocol::kCapLossless), "stream live");
   }
   const std::lock_guard life(life_mutex_);
-  if (const auto running = run(); running && !running->stopping()) {
-    return fail(ErrorCode::wrong_state, "the session is running: stop() it first");
-  }
-  finish_run();
-  if (auto there = find_again(); !there) return there;
+  if (auto way = make_way(); !way) return way;
   const auto run =
       std::make_shared<Run>(*transport_, *requester_, make_plan(info_, calibration_, options, std::move(callbacks)));
   {
@@ -165,6 +168,14 @@ Result<void> Session::start(const StreamOptions& options, Callbacks callbacks) {
     run_.reset();
   }
   return begun;
+}
+
+Result<void> Session::make_way() {
+  if (const auto running = run(); running && !running->stopping()) {
+    return fail(ErrorCode::wrong_state, "the session is running: stop() it first");
+  }
+  finish_run();
+  return find_again();
 }
 
 Result<void> Session::find_again() {
@@ -182,6 +193,22 @@ Result<void> Session::find_again() {
   }
   lost_ = false;
   return {};
+}
+
+Result<void> Session::send_blob(BlobKind kind, std::span<const std::byte> bytes) {
+  if (on_dispatcher()) {
+    return fail(ErrorCode::wrong_state, "send_blob() was called from a callback: call it from another thread");
+  }
+  if (info_.max_blob == 0 || info_.max_block < kMinBlock || info_.max_block > kMaxBlock) {
+    return fail(ErrorCode::not_available, "the device takes no blobs: see its maker's way to update it");
+  }
+  if (bytes.empty() || bytes.size() > info_.max_blob) {
+    return fail(ErrorCode::invalid_argument, "a blob of " + std::to_string(bytes.size()) +
+                                                 " bytes: the device takes 1 to " + std::to_string(info_.max_blob));
+  }
+  const std::lock_guard life(life_mutex_);
+  if (auto way = make_way(); !way) return way;
+  return device::send_blob(*transport_, *requester_, kind, bytes, info_.max_block);
 }
 
 void Session::stop() {

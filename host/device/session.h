@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 
 #include "core/slice/result.h"
@@ -16,6 +17,7 @@
 
 namespace sonoloft::device {
 
+using protocol::BlobKind;
 using protocol::StreamMode;
 
 class Requester;
@@ -33,6 +35,10 @@ struct DeviceInfo {
   std::uint32_t max_contours = 0;
   Label max_label = 0;
   std::uint16_t ring_capacity = 0;  ///< records
+  std::uint32_t max_mask_runs = 0;  ///< 0: it sends no masks
+  std::uint32_t max_mask_pixels = 0;
+  std::size_t max_blob = 0;   ///< bytes; 0: it takes no blobs
+  std::size_t max_block = 0;  ///< bytes
 };
 
 struct StreamOptions {
@@ -74,6 +80,14 @@ class Session {
   /// From elsewhere: returns after the last callback has returned and the books are closed.
   void stop();
 
+  /// Sends a blob (a firmware image, what the maker measured) to the device, which keeps it. What a device makes of a
+  /// new firmware is its own affair: it may leave and come back, and then is opened anew.
+  /// @error wrong_state (a run goes on, or called from a callback), not_available (it takes none, or the bus cannot),
+  ///        invalid_argument (nothing, or more than max_blob), refused_by_device (not what it takes), io_failed,
+  ///        timed_out, transport_closed
+  /// @cost  blocks until the device has kept it: seconds
+  [[nodiscard]] Result<void> send_blob(BlobKind kind, std::span<const std::byte> bytes);
+
   /// The figures of the present run, or of the last one. Its books are closed only after stop() returned outside of
   /// callbacks.
   [[nodiscard]] Statistics statistics() const;
@@ -89,6 +103,7 @@ class Session {
   Session(std::unique_ptr<Transport> transport, std::unique_ptr<Requester> requester, const Greeting& greeting,
           DeviceInfo info, Calibration calibration);
   static Result<Greeting> greet(Requester& requester);
+  Result<void> make_way();  ///< with life_mutex_ held: no run, and the device is there
   Result<void> find_again();
   [[nodiscard]] std::shared_ptr<Run> run() const;
   [[nodiscard]] bool on_dispatcher() const;

@@ -13,7 +13,8 @@ namespace sonoloft::device {
 struct Statistics {
   Ledger ledger;
   std::array<std::uint64_t, protocol::kRejectCount> rejected{};  ///< transfers, by protocol::Reject; [none] stays 0
-  std::optional<ClockFigures> clock;                             ///< nothing where no slice's time could be mapped
+  std::uint64_t events_lost = 0;      ///< that the device told, and that did not arrive or found no room
+  std::optional<ClockFigures> clock;  ///< nothing where no slice's time could be mapped
 };
 
 }  // namespace sonoloft::device

@@ -9,13 +9,18 @@
 
 namespace sonoloft::device {
 
-/// Where a transport puts what it receives. Called on the transport's event thread only, one call at a time.
+/// Where a transport puts what it receives. Called on the transport's event thread only, one call at a time; events may
+/// have a thread of their own, so that they come while on_transfer() blocks.
 class TransferSink {
  public:
   /// One finished transfer of the stream, whatever its bytes are.
   /// @pre  transfer.data() is 64-byte aligned; the bytes are valid during the call only
   /// @post does not throw; may block, which keeps later transfers waiting on the device's side
   virtual void on_transfer(std::span<const std::byte> transfer) = 0;
+
+  /// Something that the device tells by itself, whatever its bytes are; valid during the call only.
+  /// @post does not throw and does not block
+  virtual void on_event(std::span<const std::byte> event) { (void)event; }
 
   /// The device went away; nothing follows. At most once between start_stream() and stop_stream().
   virtual void on_gone() = 0;
@@ -66,6 +71,14 @@ class Transport {
   /// Returns when it is done or has failed, which the sink hears of as of a device that went away. From any thread but
   /// the event thread, while a stream runs and no request is under way.
   virtual void reset_stream() {}
+
+  /// Sends one block of a blob; the answer to GET_BLOB tells whether it arrived. From any thread but the event thread,
+  /// while no stream runs.
+  /// @error not_available: this way to the device takes none; transport_closed, timed_out, io_failed
+  [[nodiscard]] virtual Result<void> send_block(std::span<const std::byte> block, std::chrono::milliseconds timeout) {
+    (void)block, (void)timeout;
+    return fail(ErrorCode::not_available, "this way to the device takes no blobs: connect it by USB");
+  }
 
   /// Looks for the device again after it went away, or resets one that does not come to its senses, so that a session
   /// can go on with it. @pre no stream runs, no other call is under way

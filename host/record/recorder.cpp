@@ -45,7 +45,7 @@ struct Recorder::State {
   mutable std::mutex mutex;  ///< guards what follows; held for moments, never while the disk works
   std::condition_variable to_writer, to_sync;
   McapChunk waiting;
-  std::array<std::uint32_t, 5> sequence{};  ///< [Topic]
+  std::array<std::uint32_t, 6> sequence{};  ///< [Topic]
   ProbeFacts facts;
   std::map<std::string, std::string> metadata;  ///< to be written with the next chunk
   RecorderFigures figures;
@@ -164,6 +164,13 @@ void Recorder::transfer(Bytes transfer) {
   builder.Finish(wire::CreateTransfer(builder, builder.CreateVector(octets(transfer), transfer.size())));
   const std::lock_guard lock(state_->mutex);
   state_->add(Topic::transfers, {built(builder)});
+}
+
+void Recorder::event(Bytes event) {
+  flatbuffers::FlatBufferBuilder builder;
+  builder.Finish(wire::CreateEvent(builder, builder.CreateVector(octets(event), event.size())));
+  const std::lock_guard lock(state_->mutex);
+  state_->add(Topic::events, {built(builder)});
 }
 
 void Recorder::stream(StreamMark mark) {

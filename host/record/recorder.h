@@ -44,6 +44,8 @@ class Recorder {
   void exchange(std::span<const std::byte> request, std::span<const std::byte> reply);
   /// A finished transfer of the stream. @pre transfer.data() is 16-byte aligned
   void transfer(std::span<const std::byte> transfer);
+  /// What the device told by itself.
+  void event(std::span<const std::byte> event);
   void stream(StreamMark mark);
 
   [[nodiscard]] RecorderFigures figures() const;

@@ -33,6 +33,8 @@ const char* name(Topic topic) {
       return "/requests";
     case Topic::stream:
       return "/stream";
+    case Topic::events:
+      return "/events";
   }
   return "";
 }
@@ -44,8 +46,9 @@ mcap::Opening opening() {
       schema<wire::ExchangeBinarySchema>(Topic::transfers, "sonoloft.record.wire.Transfer"),
       schema<wire::ExchangeBinarySchema>(Topic::requests, "sonoloft.record.wire.Exchange"),
       schema<wire::ExchangeBinarySchema>(Topic::stream, "sonoloft.record.wire.Stream"),
+      schema<wire::ExchangeBinarySchema>(Topic::events, "sonoloft.record.wire.Event"),
   };
-  for (const Topic topic : {Topic::slices, Topic::transfers, Topic::requests, Topic::stream}) {
+  for (const Topic topic : {Topic::slices, Topic::transfers, Topic::requests, Topic::stream, Topic::events}) {
     const auto id = static_cast<std::uint16_t>(topic);
     opening.channels.push_back({id, id, name(topic), kFlatbuffer});
   }

@@ -13,7 +13,7 @@ namespace sonoloft::record {
 inline constexpr const char* kProfile = "x-sonoloft";
 
 /// Channels of the file, and their topics.
-enum class Topic : std::uint16_t { slices = 1, transfers, requests, stream };
+enum class Topic : std::uint16_t { slices = 1, transfers, requests, stream, events };
 [[nodiscard]] const char* name(Topic topic);
 
 /// Profile, schemas and channels of every recording.

@@ -26,6 +26,11 @@ void RecordingTransport::on_transfer(std::span<const std::byte> transfer) {
   sink_->on_transfer(transfer);
 }
 
+void RecordingTransport::on_event(std::span<const std::byte> event) {
+  recorder_->event(event);
+  sink_->on_event(event);
+}
+
 void RecordingTransport::on_gone() {
   recorder_->stream(StreamMark::gone);
   sink_->on_gone();

@@ -23,6 +23,9 @@ class RecordingTransport final : public device::Transport, private device::Trans
   [[nodiscard]] Result<std::size_t> control(std::span<const std::byte> request, std::span<std::byte> reply,
                                             std::chrono::milliseconds timeout) override;
   [[nodiscard]] Result<void> start_stream(device::TransferSink& sink, std::size_t max_record) override;
+  [[nodiscard]] Result<void> send_block(std::span<const std::byte> block, std::chrono::milliseconds timeout) override {
+    return transport_->send_block(block, timeout);
+  }
   void stop_stream() override;
   void restart_stream() override { transport_->restart_stream(); }
   void reset_stream() override { transport_->reset_stream(); }
@@ -30,6 +33,7 @@ class RecordingTransport final : public device::Transport, private device::Trans
 
  private:
   void on_transfer(std::span<const std::byte> transfer) override;
+  void on_event(std::span<const std::byte> event) override;
   void on_gone() override;
 
   const std::unique_ptr<device::Transport> transport_;

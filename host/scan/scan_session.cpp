@@ -20,6 +20,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using device::DeliveredSlice;
 
+constexpr std::size_t kMostEvents = 256;  // that wait for a callback
+
 thread_local const void* reconstructing = nullptr;  // the scan whose callbacks this thread calls
 
 ScanEventKind scan_kind(device::EventKind kind) {
@@ -34,6 +36,8 @@ ScanEventKind scan_kind(device::EventKind kind) {
       return ScanEventKind::device_fault;
     case device::EventKind::end_of_data:
       return ScanEventKind::end_of_data;
+    case device::EventKind::button:
+      return ScanEventKind::button;
   }
   return ScanEventKind::device_fault;
 }
@@ -105,9 +109,12 @@ struct ScanSession::State : std::enable_shared_from_this<State> {
   void reconstruct();
   bool wait(Waiting& batch);
   void work_off(const Waiting& batch);
+  bool show(const Waiting& batch);
   Detail choose_detail(const Waiting& batch) const;
   Result<std::shared_ptr<MeshUpdate>> make(const Waiting& batch, Detail detail);
   void deliver(std::shared_ptr<MeshUpdate> update);
+  template <class Callback, class Argument>
+  void call(const char* name, const Callback& callback, Argument argument);
   void fail_for_good(const std::string& cause, std::size_t lost_slices);
   void tell(const ScanEvent& event);
 };
@@ -185,8 +192,10 @@ void ScanSession::State::take_in(const device::Event& event) {
   if (alignment && over) {
     for (auto& slice : alignment->flush()) enqueue(std::move(slice));
   }
-  const std::lock_guard lock(mutex);
-  waiting.events.push_back({scan_kind(event.kind), event.message});
+  std::unique_lock lock(mutex);
+  // A device that never ends telling of buttons is held back, and counted, by its own session.
+  if (event.button) room.wait(lock, [&] { return stopping || waiting.events.size() < kMostEvents; });
+  waiting.events.push_back({scan_kind(event.kind), event.message, event.button});
   to_reconstruction.notify_all();
 }
 
@@ -221,7 +230,7 @@ bool ScanSession::State::wait(Waiting& batch) {
 }
 
 void ScanSession::State::work_off(const Waiting& batch) {
-  for (const auto& slice : batch.slices) pace.slice_arrived(slice->arrival);
+  if (!show(batch)) return;
   const Detail detail = choose_detail(batch);
   if (!batch.slices.empty() || batch.withdrawn || detail != shown) {
     auto made = make(batch, detail);
@@ -229,6 +238,19 @@ void ScanSession::State::work_off(const Waiting& batch) {
     deliver(std::move(*made));
   }
   for (const ScanEvent& event : batch.events) tell(event);
+}
+
+/// @return false when the scan was stopped meanwhile
+bool ScanSession::State::show(const Waiting& batch) {
+  for (const auto& slice : batch.slices) {
+    pace.slice_arrived(slice->arrival);
+    call("on_slice", callbacks.on_slice, slice);
+    const std::lock_guard lock(mutex);
+    if (!stopping) continue;
+    counts.dropped += batch.slices.size();
+    return false;
+  }
+  return true;
 }
 
 Detail ScanSession::State::choose_detail(const Waiting& batch) const {
@@ -263,16 +285,22 @@ void ScanSession::State::deliver(std::shared_ptr<MeshUpdate> update) {
   const auto now = Clock::now();
   for (SliceReport& slice : update->slices)
     slice.latency_ms = std::chrono::duration<double, std::milli>(now - slice.slice->arrival).count();
+  call("on_mesh", callbacks.on_mesh, std::shared_ptr<const MeshUpdate>(std::move(update)));
+}
+
+/// Calls a callback, if there is one, and tells of what it throws.
+template <class Callback, class Argument>
+void ScanSession::State::call(const char* name, const Callback& callback, Argument argument) {
   std::string what;
   try {
-    if (callbacks.on_mesh) callbacks.on_mesh(std::move(update));
+    if (callback) callback(std::move(argument));
     return;
   } catch (const std::exception& e) {
     what = e.what();
   } catch (...) {
     what = "something that is no std::exception";
   }
-  tell({ScanEventKind::callback_threw, "on_mesh threw: " + what + "; catch it there"});
+  tell({ScanEventKind::callback_threw, std::string(name) + " threw: " + what + "; catch it there"});
 }
 
 void ScanSession::State::fail_for_good(const std::string& cause, std::size_t lost_slices) {
@@ -330,6 +358,14 @@ void ScanSession::stop() {
   if (state_->on_reconstruction_thread()) return state_->request_stop();
   const std::lock_guard life(state_->life_mutex);
   state_->finish_run();
+}
+
+Result<void> ScanSession::send_blob(device::BlobKind kind, std::span<const std::byte> bytes) {
+  if (state_->on_reconstruction_thread()) {
+    return fail(ErrorCode::wrong_state, "send_blob() was called from a callback: call it from another thread");
+  }
+  const std::lock_guard life(state_->life_mutex);
+  return state_->device->send_blob(kind, bytes);
 }
 
 Result<void> ScanSession::withdraw(std::uint64_t slice_id) {

@@ -29,11 +29,16 @@ struct ScanOptions {
 };
 
 /// What a scan calls: always on the scan's reconstruction thread, one call at a time, with no lock held. Every member
-/// of ScanSession may be called from them. Either may be empty.
+/// of ScanSession may be called from them. Each may be empty.
 struct ScanCallbacks {
   /// An exception that leaves it becomes a callback_threw event. While it runs slices wait, the link does not.
   std::function<void(std::shared_ptr<const MeshUpdate>)> on_mesh;
   std::function<void(const ScanEvent&)> on_event;  ///< comes after the mesh of all slices that were there before it
+  /// Every slice that is taken out of the queue, once, in order, with the pose it is used with, before the mesh that
+  /// has it is made; also those that will be refused: look at pose_status. Its time is part of the slices' latency. An
+  /// exception that leaves it becomes a callback_threw event. Slices that are dropped do not come by; when the scan is
+  /// stopped before their mesh is made, those that did count as dropped, too.
+  std::function<void(std::shared_ptr<const device::DeliveredSlice>)> on_slice = {};
 };
 
 /// A device and a reconstruction, joined: slices of the device go into the mesh as they come, and every new mesh goes
@@ -41,7 +46,8 @@ struct ScanCallbacks {
 /// later runs of the same session go on with what is there.
 ///
 /// Threads. Members may be called from any thread and from callbacks. Slices arrive on the device's dispatcher; the
-/// reconstruction thread takes all that wait, adds them, updates the mesh once and calls on_mesh.
+/// reconstruction thread takes all that wait, calls on_slice for each, adds them, updates the mesh once and calls
+/// on_mesh.
 class ScanSession {
  public:
   /// Opens the device and prepares the reconstruction, which the first time may take a second.
@@ -64,6 +70,9 @@ class ScanSession {
   /// From a callback: marks and returns at once; after that callback has returned no other runs.
   /// From elsewhere: returns after the last callback has returned and the books are closed.
   void stop();
+
+  /// See device::Session::send_blob(). @error also wrong_state: called from a callback
+  [[nodiscard]] Result<void> send_blob(device::BlobKind kind, std::span<const std::byte> bytes);
 
   /// Takes back a slice that the reconstruction has taken in, by DeliveredSlice::slice.id: a segmentation was
   /// corrected, a pose was wrong. While a run goes on a mesh without it follows at once, else with the next run.

@@ -51,7 +51,8 @@ Result<std::unique_ptr<device::Transport>> open_simulated_probe(const SimulatedP
     return fail(ErrorCode::invalid_argument, "a simulated probe sends 1 to 100000 slices");
   if (!(options.rate_hz >= 0 && options.rate_hz <= kFastest_hz))
     return fail(ErrorCode::invalid_argument, "a simulated probe sends 0 (unpaced) to 1000 slices a second");
-  auto device = SimulatedDevice::make(subject(options.phantom), {options.slices, options.rate_hz, options.seed});
+  auto device =
+      SimulatedDevice::make(subject(options.phantom), {options.slices, options.rate_hz, options.masks, options.seed});
   if (!device.value) return fail(ErrorCode::invalid_argument, device.error);
   return std::make_unique<SimulatedTransport>(std::move(device.value));
 }

@@ -17,6 +17,7 @@ struct SimulatedProbeOptions {
   SimulatedPhantom phantom = SimulatedPhantom::organs;
   std::uint32_t slices = 60;  ///< 1 to 100000, then its data end
   double rate_hz = 10;        ///< up to 1000; 0: as fast as the host takes them, and a lossless stream makes it wait
+  bool masks = false;         ///< it sends a label for every pixel instead of contours
   std::uint64_t seed = 1;     ///< of the hand and of all noise: the same seed gives the same slices
 };
 

@@ -22,14 +22,15 @@ until_probes() {
   done
 }
 
-# check <way>: scans with the probe that was plugged in since $began.
+# check <way>: scans with the probe that was plugged in since $began, and sends it a file.
 check() {
   until_probes 1
-  sonoloft scan $scan -o /tmp/usb.ply && cmp /tmp/loopback.ply /tmp/usb.ply &&
+  sonoloft scan $scan -o /tmp/usb.ply && cmp /tmp/loopback.ply /tmp/usb.ply && sonoloft send firmware /tmp/image &&
     echo "GUEST: $1: same mesh, $(echo "$(now) $began" | awk '{printf "%.1f s", $1 - $2}')"
 }
 
 sonoloft scan --simulated $probe $scan -o /tmp/loopback.ply
+dd if=/dev/urandom of=/tmp/image bs=1k count=300
 
 began="$(now)"
 for module in virtio_pci virtio_net vhci-hcd; do modprobe "$module"; done

@@ -1,9 +1,12 @@
-// The record accept chain. The first byte says how much of the record is put right, so that the later checks are met.
+// The record accept chain, and what a session makes of what it accepts. The first byte says how much of the record is
+// put right, so that the later checks are met.
 #include "protocol/accept.h"
 
 #include <algorithm>
 #include <array>
 
+#include "core/slice/section.h"
+#include "host/device/calibration.h"
 #include "protocol/crc32c.h"
 #include "protocol/schema_hash.h"
 #include "tests/fuzz/input.h"
@@ -14,7 +17,7 @@ using namespace sonoloft::protocol;
 namespace {
 
 constexpr std::size_t kLongest = 1 << 14;
-constexpr SliceLimits kLimits{512, 16, 9};
+constexpr SliceLimits kLimits{512, 16, 9, 256, 1 << 12};
 alignas(kRecordAlign) std::array<std::byte, kLongest> record, again;
 
 void put_right(std::span<std::byte> bytes, std::uint8_t how) {
@@ -27,7 +30,8 @@ void put_right(std::span<std::byte> bytes, std::uint8_t how) {
   header.magic = kMagic;
   if (how & 2) {
     header.major = kVersion.major;
-    header.minor = header.incompat = 0;
+    header.minor = 0;
+    header.incompat = how & 8 ? kIncompatMask : std::uint8_t{0};
     header.schema_hash = kSchemaHash;
     header.session_id = 7;
     header.type = 1;
@@ -59,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto transfer = std::span(record).first(bytes.size());
   if (how & 1) put_right(transfer, how);
 
-  Acceptor acceptor({0, kSchemaHash, 7, kLongest, kLimits});
+  Acceptor acceptor({kVersion.minor, kSchemaHash, 7, kLongest, kLimits});
   AcceptedSlice accepted;
   const Reject reason = acceptor.accept(transfer, accepted);
   fuzz::demand(acceptor.count(reason) == 1);
@@ -72,5 +76,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   AcceptedSlice second;
   fuzz::demand(acceptor.accept(std::span(again).first(len), second) == Reject::none);
   fuzz::demand(second.slice.points.size() == accepted.slice.points.size());
+  fuzz::demand(second.slice.mask_runs.size() == accepted.slice.mask_runs.size());
+  device::Calibration calibration;
+  calibration.id = second.slice.calibration_id;
+  (void)make_section(device::to_delivered(second.slice, 0, calibration, {}).slice);
   return 0;
 }

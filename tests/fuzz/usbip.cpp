@@ -6,6 +6,8 @@
 
 #include "device_sim/port/usb/usb_device.h"
 #include "device_sim/port/usbip/usbip_wire.h"
+#include "protocol/block.h"
+#include "protocol/event.h"
 #include "tests/fuzz/input.h"
 
 using namespace sonoloft;
@@ -28,6 +30,14 @@ class PromptPort final : public protocol::Port {
   protocol::PortTransfer read(std::span<std::byte> record, std::uint32_t) override {
     fuzz::demand(record.size() >= kRecordLen);
     return {PortStatus::ok, kRecordLen};
+  }
+  protocol::PortTransfer read_event(std::span<std::byte> event, std::uint32_t) override {
+    fuzz::demand(event.size() >= protocol::kEventLen);
+    return {PortStatus::ok, protocol::kEventLen};
+  }
+  protocol::PortTransfer write_block(std::span<const std::byte> block) override {
+    (void)protocol::parse_block(block);
+    return {PortStatus::ok, block.size()};
   }
   void cancel_reads() override {}
   void allow_reads() override {}

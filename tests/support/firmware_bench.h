@@ -12,14 +12,15 @@ namespace sonoloft::test {
 /// A firmware on a table: its memory, its clock in our hand, requests and records without a bus.
 class FirmwareBench {
  public:
-  explicit FirmwareBench(std::size_t records = 4)
+  explicit FirmwareBench(std::size_t records = 4, device_sim::BlobStore* blobs = nullptr)
       : memory_(records * device_sim::record_slot_len(kTestLimits)),
         record_(device_sim::record_slot_len(kTestLimits)),
-        firmware(config(), memory_.bytes()) {}
+        firmware(config(blobs), memory_.bytes()) {}
 
-  static device_sim::FirmwareConfig config() {
+  static device_sim::FirmwareConfig config(device_sim::BlobStore* blobs = nullptr) {
     device_sim::FirmwareConfig config{kTestLimits, {"BENCH-1"}, {}};
     config.calibration = {kTestCalibrationId, 0, {0.2, 0, 0, 1, 0, 0.25, 0, 2, 0, 0, 1, 3}};
+    config.blobs = blobs;
     return config;
   }
 
@@ -39,8 +40,10 @@ class FirmwareBench {
     if (reply.status != protocol::Status::ok || !protocol::read_payload(reply.payload, result)) return std::nullopt;
     return result;
   }
-  protocol::Status start(protocol::StreamMode mode = protocol::StreamMode::live, std::uint32_t session = 0x51DE0001) {
-    const protocol::StartRequest request{session, protocol::kSliceStream, static_cast<std::uint16_t>(mode), 1, 0};
+  protocol::Status start(protocol::StreamMode mode = protocol::StreamMode::live, std::uint32_t session = 0x51DE0001,
+                         std::uint8_t minor = protocol::kVersion.minor) {
+    const protocol::StartRequest request{session, protocol::kSliceStream, static_cast<std::uint16_t>(mode),
+                                         protocol::kVersion.major, minor};
     return tell(protocol::Command::start, protocol::bytes_of(request));
   }
   void acquire(std::uint32_t seed) {

@@ -11,6 +11,8 @@ class HangingPort final : public protocol::Port {
   ~HangingPort() = default;
   protocol::PortTransfer control(std::span<const std::byte>, std::span<std::byte>) override { return hang(); }
   protocol::PortTransfer read(std::span<std::byte>, std::uint32_t) override { return hang(); }
+  protocol::PortTransfer read_event(std::span<std::byte>, std::uint32_t) override { return hang(); }
+  protocol::PortTransfer write_block(std::span<const std::byte>) override { return hang(); }
   void cancel_reads() override { release(); }
   void allow_reads() override {}
   void release() { released_ = true, released_.notify_all(); }

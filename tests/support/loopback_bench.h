@@ -64,9 +64,9 @@ class Inbox {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, std::chrono::seconds(60), [&] { return slices_.size() >= count; });
   }
-  bool wait_for(device::EventKind kind) {
+  bool wait_for(device::EventKind kind, std::size_t count = 1) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, std::chrono::seconds(60), [&] { return count_locked(kind) > 0; });
+    return changed_.wait_for(lock, std::chrono::seconds(60), [&] { return count_locked(kind) >= count; });
   }
   std::size_t count(device::EventKind kind) {
     const std::lock_guard lock(mutex_);

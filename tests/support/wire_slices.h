@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -18,17 +19,19 @@ namespace sonoloft::test {
 struct OwnedWireSlice {
   std::vector<protocol::Point> points, field_of_view;
   std::vector<protocol::Contour> contours;
+  std::vector<protocol::MaskRun> mask_runs;
   protocol::Slice slice;
 
   const protocol::Slice& view() {
     slice.points = points;
     slice.contours = contours;
     slice.field_of_view = field_of_view;
+    slice.mask_runs = mask_runs;
     return slice;
   }
 };
 
-inline constexpr protocol::SliceLimits kTestLimits{4096, 64, 9};
+inline constexpr protocol::SliceLimits kTestLimits{4096, 64, 9, 2048, 1u << 16};
 inline constexpr std::uint32_t kTestCalibrationId = 7;
 
 /// A sound slice, another one for every seed: rings of points, holes and unknown among the labels, any pose.
@@ -61,6 +64,19 @@ inline OwnedWireSlice make_wire_slice(std::uint32_t seed, std::uint32_t contours
   return owned;
 }
 
+/// A sound slice with a mask, another one for every seed.
+inline OwnedWireSlice make_masked_slice(std::uint32_t seed, std::uint16_t width = 60, std::uint16_t height = 40) {
+  std::mt19937 random(seed);
+  OwnedWireSlice owned = make_wire_slice(seed, 0);
+  owned.slice.mask_grid = {-3.5f, 2, 4, width, height};
+  for (std::uint32_t left = std::uint32_t{width} * height; left > 0; left -= owned.mask_runs.back().count) {
+    const auto label = static_cast<protocol::WireLabel>(random() % 7 == 0 ? protocol::kUnknownLabel : random() % 10);
+    const auto count = static_cast<std::uint32_t>(1 + random() % 100);
+    owned.mask_runs.push_back({static_cast<std::uint16_t>(std::min(left, count)), label});
+  }
+  return owned;
+}
+
 /// Memory that starts on 64 bytes, as records need it.
 class AlignedBytes {
  public:
@@ -77,15 +93,14 @@ class AlignedBytes {
 };
 
 inline protocol::Agreement test_agreement(std::uint32_t session_id = 0x51DE0001) {
-  return {0, protocol::kSchemaHash, session_id, 1u << 20, kTestLimits};
+  return {protocol::kVersion.minor, protocol::kSchemaHash, session_id, 1u << 20, kTestLimits};
 }
 
 /// A complete record of a slice, as it leaves a device.
 inline std::vector<std::byte> make_record(const protocol::Slice& slice, std::uint64_t seq = 0,
                                           std::uint32_t session_id = 0x51DE0001) {
-  AlignedBytes buffer(static_cast<std::size_t>(
-      protocol::max_record_len(slice.points.size(), slice.contours.size(), slice.field_of_view.size())));
-  const std::size_t len = protocol::encode_slice(slice, {seq, session_id, 0}, buffer.bytes());
+  AlignedBytes buffer(static_cast<std::size_t>(protocol::max_record_len(slice)));
+  const std::size_t len = protocol::encode_slice(slice, {seq, session_id, protocol::kVersion.minor}, buffer.bytes());
   protocol::seal_record(buffer.first(len), 3, 2, 16);
   return {buffer.bytes().begin(), buffer.bytes().begin() + static_cast<std::ptrdiff_t>(len)};
 }
@@ -103,8 +118,13 @@ inline bool same(const protocol::Slice& a, const protocol::Slice& b) {
                     [](const auto& x, const auto& y) {
                       return x.first == y.first && x.count == y.count && x.label == y.label && x.flags == y.flags;
                     }) &&
-         p.qw == q.qw && p.qx == q.qx && p.qy == q.qy && p.qz == q.qz && p.tx_mm == q.tx_mm && p.ty_mm == q.ty_mm &&
-         p.tz_mm == q.tz_mm && p.time_ns == q.time_ns && p.error_mm == q.error_mm && p.status == q.status;
+         std::equal(a.mask_runs.begin(), a.mask_runs.end(), b.mask_runs.begin(), b.mask_runs.end(),
+                    [](const auto& x, const auto& y) { return x.count == y.count && x.label == y.label; }) &&
+         a.mask_grid.x_px == b.mask_grid.x_px && a.mask_grid.y_px == b.mask_grid.y_px &&
+         a.mask_grid.step_px == b.mask_grid.step_px && a.mask_grid.width == b.mask_grid.width &&
+         a.mask_grid.height == b.mask_grid.height && p.qw == q.qw && p.qx == q.qx && p.qy == q.qy && p.qz == q.qz &&
+         p.tx_mm == q.tx_mm && p.ty_mm == q.ty_mm && p.tz_mm == q.tz_mm && p.time_ns == q.time_ns &&
+         p.error_mm == q.error_mm && p.status == q.status;
 }
 
 }  // namespace sonoloft::test

@@ -206,6 +206,50 @@ void FaultyPort::restart_device() {
   (void)port_.control(std::span(request).first(size), reply);
 }
 
+// ---- events and blocks
+
+PortTransfer FaultyPort::read_event(std::span<std::byte> event, std::uint32_t timeout_ms) {
+  Lock lock(mutex_);
+  if (gone_) return {PortStatus::gone, 0};
+  if (mute_ || deaf_) return wait_in_silence(lock, timeout_ms);
+  lock.unlock();
+  return port_.read_event(event, timeout_ms);
+}
+
+PortTransfer FaultyPort::write_block(std::span<const std::byte> block) {
+  Lock lock(mutex_);
+  if (gone_) return {PortStatus::gone, 0};
+  if (deaf_) return {PortStatus::timed_out, 0};
+  if (!plan_.strikes_record()) {
+    lock.unlock();
+    return port_.write_block(block);
+  }
+  std::vector<std::byte> altered(block.begin(), block.end());
+  switch (plan_.kind()) {
+    case FaultKind::drop:
+      ++counts_.lost;
+      return {PortStatus::ok, block.size()};
+    case FaultKind::duplicate:
+      ++counts_.repeated;
+      (void)port_.write_block(block);
+      break;
+    case FaultKind::truncate:
+      ++counts_.altered;
+      altered.resize(plan_.offset(block.size()));
+      break;
+    case FaultKind::flip:
+      ++counts_.altered;
+      flip(altered);
+      break;
+    default:
+      break;
+  }
+  lock.unlock();
+  return port_.write_block(altered);
+}
+
+// ---- the ends of it
+
 void FaultyPort::cancel_reads() {
   become(cancelled_);
   port_.cancel_reads();

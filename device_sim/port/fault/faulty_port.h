@@ -39,6 +39,8 @@ class FaultyPort final : public protocol::Port {
 
   [[nodiscard]] protocol::PortTransfer control(std::span<const std::byte> request, std::span<std::byte> reply) override;
   [[nodiscard]] protocol::PortTransfer read(std::span<std::byte> record, std::uint32_t timeout_ms) override;
+  [[nodiscard]] protocol::PortTransfer read_event(std::span<std::byte> event, std::uint32_t timeout_ms) override;
+  [[nodiscard]] protocol::PortTransfer write_block(std::span<const std::byte> block) override;
   void cancel_reads() override;
   void allow_reads() override;
   void clear_halt() override;

@@ -37,7 +37,7 @@ std::string ascii(std::span<const std::byte> string_descriptor) {
 }  // namespace
 
 std::vector<std::byte> function_descriptors(const usb::Descriptors& descriptors) {
-  constexpr std::size_t kHeader = sizeof(usb_functionfs_descs_head_v2) + 2 * 4, kEach = 2;
+  constexpr std::size_t kHeader = sizeof(usb_functionfs_descs_head_v2) + 2 * 4, kEach = 1 + 3;
   const auto full = without_header(*descriptors.find(0x0700)), high = without_header(*descriptors.find(0x0200));
   std::vector<std::byte> out;
   append(out, {FUNCTIONFS_DESCRIPTORS_MAGIC_V2, kHeader + full.size() + high.size(),

@@ -10,8 +10,8 @@
 
 namespace sonoloft::device_sim::functionfs {
 
-/// The interface and its endpoint, at full and at high speed, as the device model has them. The controller may give the
-/// endpoint another address.
+/// The interface and its endpoints, at full and at high speed, as the device model has them. The controller may give
+/// the endpoints other addresses.
 [[nodiscard]] std::vector<std::byte> function_descriptors(const usb::Descriptors& descriptors);
 
 /// None, which must be said.

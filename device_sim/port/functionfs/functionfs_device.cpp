@@ -21,6 +21,9 @@ using usb::UrbStatus;
 
 namespace {
 
+constexpr std::size_t kBlockRoom = 16384;  // whole packets
+constexpr std::chrono::milliseconds kPause{20};
+
 constexpr const char* kRemedy = ": mount a functionfs there and run as its owner, one program at a time";
 
 bool write_all(int file, std::span<const std::byte> bytes) {
@@ -39,32 +42,50 @@ FunctionfsDevice::Made FunctionfsDevice::start(protocol::Port& port, const usb::
   Files files;
   auto error = open_files(directory, usb::Descriptors(identity.serial), files);
   if (!error.empty()) {
-    if (files.control >= 0) close(files.control);
+    close_files(files);
     return {nullptr, std::move(error)};
   }
   std::unique_ptr<FunctionfsDevice> made(new FunctionfsDevice(port, identity, files));
-  if (!made->writer_.ready()) return {nullptr, "no asynchronous I/O to be had: raise /proc/sys/fs/aio-max-nr"};
+  if (!made->stream_.writer.ready() || !made->events_.writer.ready() || !made->blocks_.ready())
+    return {nullptr, "no asynchronous I/O to be had: raise /proc/sys/fs/aio-max-nr"};
   return {std::move(made), {}};
 }
 
-// Cause and remedy where they cannot be had. The endpoint's file is there as soon as the function has said what it is.
+// Cause and remedy where they cannot be had. The endpoints' files are there as soon as the function has said what it
+// is, in the order in which it said so.
 std::string FunctionfsDevice::open_files(const std::string& directory, const usb::Descriptors& descriptors,
                                          Files& files) {
-  const std::string control = directory + "/ep0", stream = directory + "/ep1";
+  const std::string control = directory + "/ep0";
   files.control = open(control.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (files.control < 0) return control + " cannot be opened: " + std::strerror(errno) + kRemedy;
   if (!write_all(files.control, function_descriptors(descriptors)) || !write_all(files.control, function_strings())) {
     return control + " does not take the descriptors: " + std::strerror(errno) + kRemedy;
   }
-  files.stream = open(stream.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
-  if (files.stream < 0) return stream + " cannot be opened: " + std::strerror(errno) + kRemedy;
+  struct Endpoint {
+    int& file;
+    const char* name;
+    int mode;
+  };
+  for (const auto& endpoint : {Endpoint{files.stream, "/ep1", O_WRONLY}, Endpoint{files.events, "/ep2", O_WRONLY},
+                               Endpoint{files.blobs, "/ep3", O_RDONLY}}) {
+    const std::string path = directory + endpoint.name;
+    endpoint.file = open(path.c_str(), endpoint.mode | O_NONBLOCK | O_CLOEXEC);
+    if (endpoint.file < 0) return path + " cannot be opened: " + std::strerror(errno) + kRemedy;
+  }
   return {};
+}
+
+void FunctionfsDevice::close_files(const Files& files) {
+  for (const int file : {files.blobs, files.events, files.stream, files.control}) {
+    if (file >= 0) close(file);
+  }
 }
 
 FunctionfsDevice::FunctionfsDevice(protocol::Port& port, const usb::UsbIdentity& identity, Files files)
     : files_(files),
-      max_record_(identity.max_record),
-      writer_(completions_.event()),
+      stream_{files.stream, usb::kStreamIn, identity.max_record, 0, AsyncTransfer(completions_.event())},
+      events_{files.events, usb::kEventIn, usb::kEventPacket, 0, AsyncTransfer(completions_.event())},
+      blocks_(completions_.event()),
       device_(port, identity, [this](const usb::UrbDone& done) { completions_.add(done); }),
       thread_([this] { serve(); }) {}
 
@@ -72,8 +93,7 @@ FunctionfsDevice::~FunctionfsDevice() {
   stopping_ = true;
   completions_.wake();
   thread_.join();
-  close(files_.stream);
-  close(files_.control);
+  close_files(files_);
 }
 
 void FunctionfsDevice::serve() {
@@ -81,10 +101,12 @@ void FunctionfsDevice::serve() {
     auto ended = completions_.take();
     if (stopping_) return;  // looked at after take(), which quiets the event that says so
     for (usb::Completion& done : ended) finish(done);
-    ask_for_record();
+    ask_for_message(stream_);
+    ask_for_message(events_);
+    const bool reading = take_block();
     // While the host waits for an answer the file is always ready, for the answer.
     pollfd polled[] = {{completions_.event(), POLLIN, 0}, {answer_id_ != 0 ? -1 : files_.control, POLLIN, 0}};
-    if (poll(polled, 2, -1) > 0 && polled[1].revents != 0) take_event();
+    if (poll(polled, 2, reading ? -1 : static_cast<int>(kPause.count())) > 0 && polled[1].revents != 0) take_event();
   }
 }
 
@@ -110,7 +132,7 @@ void FunctionfsDevice::take_event() {
 void FunctionfsDevice::disable() {
   enabled_ = false;
   device_.reset();
-  record_id_ = 0;
+  stream_.urb = events_.urb = block_id_ = 0;
 }
 
 void FunctionfsDevice::ask(const SetupPacket& setup) {
@@ -126,22 +148,44 @@ void FunctionfsDevice::ask(const SetupPacket& setup) {
   device_.submit(std::move(urb));
 }
 
-void FunctionfsDevice::ask_for_record() {
-  if (!enabled_ || record_id_ != 0 || writer_.busy()) return;
-  record_id_ = ++last_id_;
-  device_.submit({.id = record_id_, .endpoint = usb::kStreamIn, .room = max_record_});
+void FunctionfsDevice::ask_for_message(In& in) {
+  if (!enabled_ || in.urb != 0 || in.writer.busy()) return;
+  in.urb = ++last_id_;
+  device_.submit({.id = in.urb, .endpoint = in.endpoint, .room = in.room});
+}
+
+// Passes on what was read, then reads. False: nothing can be read for now, which is to be tried again.
+bool FunctionfsDevice::take_block() {
+  if (!enabled_ || block_id_ != 0 || blocks_.busy()) return true;
+  if (std::chrono::steady_clock::now() < next_read_) return false;
+  auto block = blocks_.take();
+  if (!block.empty()) {
+    block_id_ = ++last_id_;
+    device_.submit({.id = block_id_, .endpoint = usb::kBlobOut, .data = std::move(block)});
+    return true;
+  }
+  blocks_.read(files_.blobs, kBlockRoom);
+  if (blocks_.busy()) return true;
+  next_read_ = std::chrono::steady_clock::now() + kPause;
+  return false;
 }
 
 void FunctionfsDevice::finish(usb::Completion& done) {
-  if (done.id == record_id_) {
-    record_id_ = 0;
-    enabled_ &= done.status == UrbStatus::ok;
-    if (enabled_) writer_.begin(files_.stream, std::move(done.data));
+  if (done.id == stream_.urb) return finish(stream_, done);
+  if (done.id == events_.urb) return finish(events_, done);
+  if (done.id == block_id_) {
+    block_id_ = 0;
   } else if (done.id == answer_id_) {
     answer_id_ = 0;
     if (done.status != UrbStatus::ok) return stall(asked_);
     (void)write_all(files_.control, done.data);  // else the host gave up
   }
+}
+
+void FunctionfsDevice::finish(In& in, usb::Completion& done) {
+  in.urb = 0;
+  enabled_ &= done.status == UrbStatus::ok;
+  if (enabled_) in.writer.write(in.file, std::move(done.data));
 }
 
 // By the wrong direction, as functionfs has it.

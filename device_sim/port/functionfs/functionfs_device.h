@@ -1,11 +1,12 @@
 #pragma once
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <thread>
 
-#include "device_sim/port/functionfs/async_writer.h"
+#include "device_sim/port/functionfs/async_transfer.h"
 #include "device_sim/port/usb/completions.h"
 #include "device_sim/port/usb/usb_device.h"
 #include "protocol/port.h"
@@ -15,9 +16,9 @@
 namespace sonoloft::device_sim::functionfs {
 
 /// The device as a board with a USB device controller is one: a function of a Linux gadget, through a functionfs that
-/// is mounted already. The kernel answers the standard requests; vendor requests, the stream and what the host does to
-/// the cable come here. A request to the device is acknowledged when it has arrived, and its reply waits until it was
-/// carried out. A suspended bus takes nothing, and nothing is lost. A port that halts stays silent until the host
+/// is mounted already. The kernel answers the standard requests; vendor requests, the endpoints and what the host does
+/// to the cable come here. A request to the device is acknowledged when it has arrived, and its reply waits until it
+/// was carried out. A suspended bus takes nothing, and nothing is lost. A port that halts stays silent until the host
 /// configures the device anew.
 ///
 /// Threads: one, which waits in poll(), and for a host that is in the middle of a control transfer.
@@ -42,22 +43,32 @@ class FunctionfsDevice {
  private:
   /// Open files of a functionfs.
   struct Files {
-    int control = -1, stream = -1;
+    int control = -1, stream = -1, events = -1, blobs = -1;
+  };
+  /// An endpoint that the device model fills.
+  struct In {
+    const int file;
+    const std::uint8_t endpoint;
+    const std::size_t room;
+    std::uint64_t urb;  ///< that gets the next message; 0: none
+    AsyncTransfer writer;
   };
 
   FunctionfsDevice(protocol::Port& port, const usb::UsbIdentity& identity, Files files);
   static std::string open_files(const std::string& directory, const usb::Descriptors& descriptors, Files& files);
+  static void close_files(const Files& files);
 
   void serve();
   void take_event();
   void disable();
   void ask(const usb::SetupPacket& setup);
-  void ask_for_record();
+  void ask_for_message(In& in);
+  [[nodiscard]] bool take_block();
   void finish(usb::Completion& done);
+  void finish(In& in, usb::Completion& done);
   void stall(const usb::SetupPacket& setup);
 
   const Files files_;
-  const std::size_t max_record_;
   std::atomic<bool> stopping_ = false;
   usb::Completions completions_;
 
@@ -66,8 +77,10 @@ class FunctionfsDevice {
   usb::SetupPacket asked_{};     ///< the control transfer under way, if there is one
   std::uint64_t last_id_ = 0;    ///< of URBs
   std::uint64_t answer_id_ = 0;  ///< of the URB whose data the host waits for; 0: of none
-  std::uint64_t record_id_ = 0;  ///< of the URB that gets the next record; 0: of none
-  AsyncWriter writer_;
+  std::uint64_t block_id_ = 0;   ///< of the URB that takes a block; 0: of none
+  In stream_, events_;
+  AsyncTransfer blocks_;
+  std::chrono::steady_clock::time_point next_read_{};  ///< where one has failed
 
   usb::UsbDevice device_;
   std::jthread thread_;

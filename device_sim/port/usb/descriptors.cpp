@@ -72,13 +72,21 @@ std::vector<std::byte> qualifier() {
 }
 
 std::vector<std::byte> configuration(Type type, std::size_t bulk_packet) {
-  constexpr std::uint8_t kBusPowered = 0x80, k500mA = 250, kBulk = 2;
+  constexpr std::uint8_t kBusPowered = 0x80, k500mA = 250, kBulk = 2, kInterrupt = 3;
+  // Frames at full speed; at high speed 2^(n - 1) microframes: 8 ms either way.
+  const std::uint8_t event_interval = bulk_packet == kFullSpeedPacket ? 8 : 7;
   return Bytes()
       .u8({9, type})
-      .u16(9 + 9 + 7)
+      .u16(9 + 9 + 3 * 7)
       .u8({1, kConfiguration, 0, kBusPowered, k500mA})
-      .u8({9, kInterface, 0, 0, 1, kInterfaceClass, kInterfaceSubclass, kInterfaceProtocol, 0})
+      .u8({9, kInterface, 0, 0, 3, kInterfaceClass, kInterfaceSubclass, kInterfaceProtocol, 0})
       .u8({7, kEndpoint, kStreamIn, kBulk})
+      .u16(bulk_packet)
+      .u8({0})
+      .u8({7, kEndpoint, kEventIn, kInterrupt})
+      .u16(kEventPacket)
+      .u8({event_interval})
+      .u8({7, kEndpoint, kBlobOut, kBulk})
       .u16(bulk_packet)
       .u8({0})
       .take();

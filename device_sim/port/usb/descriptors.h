@@ -11,7 +11,10 @@
 namespace sonoloft::device_sim::usb {
 
 inline constexpr std::uint8_t kStreamIn = 0x81;  ///< bulk: records
+inline constexpr std::uint8_t kEventIn = 0x82;   ///< interrupt: events
+inline constexpr std::uint8_t kBlobOut = 0x01;   ///< bulk: blocks of blobs
 inline constexpr std::size_t kHighSpeedPacket = 512;
+inline constexpr std::size_t kEventPacket = 64;  ///< at any speed
 inline constexpr std::uint8_t kConfiguration = 1;
 inline constexpr std::uint8_t kMsOsRequest = 0x20;  ///< vendor request that reads the Microsoft OS 2.0 descriptors
 

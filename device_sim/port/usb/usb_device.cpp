@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "protocol/event.h"
 #include "protocol/usb.h"
 
 namespace sonoloft::device_sim::usb {
@@ -13,6 +14,7 @@ using protocol::PortStatus;
 namespace {
 
 constexpr std::uint32_t kReadTimeoutMs = 50;
+constexpr std::size_t kMaxBlock = 1u << 16;  // more than any firmware takes at once
 
 enum StandardRequest : std::uint8_t {
   kGetStatus = 0,
@@ -36,6 +38,10 @@ std::uint8_t recipient(const SetupPacket& setup) {
   return setup.request_type & kRecipientMask;
 }
 
+bool is_endpoint(std::uint16_t address) {
+  return address == 0 || address == kStreamIn || address == kEventIn || address == kBlobOut;
+}
+
 }  // namespace
 
 UsbDevice::UsbDevice(protocol::Port& port, const UsbIdentity& identity, const UrbSink& done)
@@ -44,7 +50,13 @@ UsbDevice::UsbDevice(protocol::Port& port, const UsbIdentity& identity, const Ur
       done_(done),
       stream_(
           kHighSpeedPacket, identity.max_record,
-          [&port](std::span<std::byte> record) { return port.read(record, kReadTimeoutMs); }, done) {
+          [&port](std::span<std::byte> record) { return port.read(record, kReadTimeoutMs); }, done),
+      events_(
+          kEventPacket, protocol::kEventLen,
+          [&port](std::span<std::byte> event) { return port.read_event(event, kReadTimeoutMs); }, done),
+      blobs_(
+          kHighSpeedPacket, kMaxBlock, [&port](std::span<const std::byte> block) { return port.write_block(block); },
+          done) {
   port_.allow_reads();
   control_thread_ = std::jthread([this] { serve_control(); });
 }
@@ -58,6 +70,8 @@ UsbDevice::~UsbDevice() {
 
 void UsbDevice::submit(Urb urb) {
   if (urb.endpoint == kStreamIn) return stream_.submit(urb.id, urb.room);
+  if (urb.endpoint == kEventIn) return events_.submit(urb.id, urb.room);
+  if (urb.endpoint == kBlobOut) return blobs_.submit(std::move(urb));
   const std::lock_guard lock(mutex_);
   if (urb.endpoint != 0) return done_({urb.id, UrbStatus::stalled, {}, 0});
   control_.push_back(std::move(urb));
@@ -65,7 +79,7 @@ void UsbDevice::submit(Urb urb) {
 }
 
 bool UsbDevice::unlink(std::uint64_t id) {
-  if (stream_.unlink(id)) return true;
+  if (stream_.unlink(id) || events_.unlink(id) || blobs_.unlink(id)) return true;
   const std::lock_guard lock(mutex_);
   if (serving_ == id) {
     serving_.reset();
@@ -76,6 +90,8 @@ bool UsbDevice::unlink(std::uint64_t id) {
 
 void UsbDevice::reset() {
   stream_.reset();
+  events_.reset();
+  blobs_.reset();
   const std::lock_guard lock(mutex_);
   control_.clear();
   unanswered_.clear();
@@ -162,7 +178,7 @@ UsbDevice::Answer UsbDevice::answer_standard(const SetupPacket& setup) {
     }
     case kSetConfiguration: {
       if (setup.value > kConfiguration) return {UrbStatus::stalled};
-      clear_halt();
+      clear_halts();
       const std::lock_guard lock(mutex_);
       configuration_ = static_cast<std::uint8_t>(setup.value);
       return {UrbStatus::ok};
@@ -171,7 +187,7 @@ UsbDevice::Answer UsbDevice::answer_standard(const SetupPacket& setup) {
       return setup.index == 0 ? short_answer(0, 1) : Answer{UrbStatus::stalled};
     case kSetInterface:
       if (setup.index != 0 || setup.value != 0) return {UrbStatus::stalled};
-      clear_halt();
+      clear_halts();
       return {UrbStatus::ok};
     default:
       return {UrbStatus::stalled};
@@ -180,20 +196,43 @@ UsbDevice::Answer UsbDevice::answer_standard(const SetupPacket& setup) {
 
 UsbDevice::Answer UsbDevice::status_of(const SetupPacket& setup) {
   if (recipient(setup) != kToEndpoint) return short_answer(0, 2);
-  if (setup.index != 0 && setup.index != kStreamIn) return {UrbStatus::stalled};
-  return short_answer(setup.index == kStreamIn && stream_.halted() ? 1 : 0, 2);
+  if (!is_endpoint(setup.index)) return {UrbStatus::stalled};
+  return short_answer(halted(setup.index) ? 1 : 0, 2);
 }
 
 UsbDevice::Answer UsbDevice::feature(const SetupPacket& setup, bool set) {
   if (recipient(setup) != kToEndpoint || setup.value != kEndpointHalt) return {UrbStatus::stalled};
-  if (setup.index == kStreamIn && set) stream_.halt();
-  if (setup.index == kStreamIn && !set) clear_halt();
-  return {setup.index == kStreamIn || setup.index == 0 ? UrbStatus::ok : UrbStatus::stalled};
+  if (!is_endpoint(setup.index)) return {UrbStatus::stalled};
+  if (set) {
+    halt(setup.index);
+  } else {
+    clear_halt(setup.index);
+  }
+  return {UrbStatus::ok};
 }
 
-void UsbDevice::clear_halt() {
-  port_.clear_halt();
-  stream_.clear_halt();
+bool UsbDevice::halted(std::uint16_t endpoint) const {
+  return (endpoint == kStreamIn && stream_.halted()) || (endpoint == kEventIn && events_.halted()) ||
+         (endpoint == kBlobOut && blobs_.halted());
+}
+
+void UsbDevice::halt(std::uint16_t endpoint) {
+  if (endpoint == kStreamIn) stream_.halt();
+  if (endpoint == kEventIn) events_.halt();
+  if (endpoint == kBlobOut) blobs_.halt();
+}
+
+void UsbDevice::clear_halt(std::uint16_t endpoint) {
+  if (endpoint == kStreamIn) {
+    port_.clear_halt();
+    stream_.clear_halt();
+  }
+  if (endpoint == kEventIn) events_.clear_halt();
+  if (endpoint == kBlobOut) blobs_.clear_halt();
+}
+
+void UsbDevice::clear_halts() {
+  for (const std::uint16_t endpoint : {kStreamIn, kEventIn, kBlobOut}) clear_halt(endpoint);
 }
 
 UsbDevice::Answer UsbDevice::short_answer(std::uint16_t number, std::size_t len) {

@@ -11,6 +11,7 @@
 
 #include "device_sim/port/usb/descriptors.h"
 #include "device_sim/port/usb/in_endpoint.h"
+#include "device_sim/port/usb/out_endpoint.h"
 #include "device_sim/port/usb/urb.h"
 #include "protocol/command.h"
 #include "protocol/port.h"
@@ -25,7 +26,7 @@ struct UsbIdentity {
 };
 
 /// The device as a USB host sees it, whichever way the transfers take: descriptors, standard requests, commands over
-/// endpoint 0, records over the bulk endpoint. The firmware behind the port knows nothing of USB.
+/// endpoint 0, records, events and blocks over an endpoint each. The firmware behind the port knows nothing of USB.
 ///
 /// Threads: one for control transfers, one for each endpoint, on which the port is called; no member waits for the port
 /// but the destructor.
@@ -59,13 +60,17 @@ class UsbDevice {
   Answer answer_vendor(const Urb& urb);
   Answer feature(const SetupPacket& setup, bool set);
   Answer status_of(const SetupPacket& setup);
-  void clear_halt();
+  [[nodiscard]] bool halted(std::uint16_t endpoint) const;
+  void halt(std::uint16_t endpoint);
+  void clear_halt(std::uint16_t endpoint);
+  void clear_halts();
   Answer short_answer(std::uint16_t number, std::size_t len);
 
   protocol::Port& port_;
   const Descriptors descriptors_;
   const UrbSink done_;
-  InEndpoint stream_;
+  InEndpoint stream_, events_;
+  OutEndpoint blobs_;
 
   // The control thread's.
   std::array<std::byte, protocol::kMaxRequestLen> reply_;

@@ -20,7 +20,7 @@ constexpr std::size_t kRequestLen = 8, kPathLen = 256, kBusIdLen = 32, kCommandL
 constexpr std::uint32_t kBusNumber = 1, kDeviceNumber = 2, kHighSpeed = 3;
 constexpr std::uint32_t kNoPackets = 0xFFFFFFFF;  // not isochronous
 constexpr std::uint32_t kToHost = 1;
-constexpr std::size_t kMaxSent = 1u << 16;  // in one transfer of a host; a request has at most 4088 bytes
+constexpr std::size_t kMaxSent = 1u << 16;  // in one transfer of a host; a request has at most 4088 bytes, a block 4096
 
 class Reader {
  public:

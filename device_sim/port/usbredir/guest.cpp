@@ -17,8 +17,9 @@ using usb::UrbStatus;
 namespace {
 
 constexpr int kReadLen = 1 << 16;
-constexpr std::size_t kMaxPending = 4096;           // transfers; QEMU has at most some dozens under way
-constexpr std::uint64_t kMaxUnsent = 1u << 22;      // bytes
+constexpr std::size_t kMaxPending = 4096;       // transfers; QEMU has at most some dozens under way
+constexpr std::uint64_t kMaxUnsent = 1u << 22;  // bytes
+constexpr std::uint64_t kNextEventId = ~std::uint64_t{0};
 constexpr std::uint8_t kNumber = 0x0F, kIn = 0x80;  // of an endpoint's address
 
 // Where usb_redir_ep_info keeps what it says of an endpoint.
@@ -99,7 +100,7 @@ void Guest::plug_in() {
 }
 
 void Guest::send_interface() {
-  constexpr std::size_t kFirstInterface = 9;  // in the configuration
+  constexpr std::size_t kFirstInterface = 9, kEventInterval = 9 + 9 + 7 + 6;  // in the configuration
   const auto interface = device_.descriptors().find(0x0200)->subspan(kFirstInterface);
   usb_redir_interface_info_header info{};
   info.interface_count = 1;
@@ -111,12 +112,18 @@ void Guest::send_interface() {
   usb_redir_ep_info_header endpoints{};
   std::fill(std::begin(endpoints.type), std::end(endpoints.type), std::uint8_t{usb_redir_type_invalid});
   endpoints.type[slot(0)] = endpoints.type[slot(kIn)] = usb_redir_type_control;
-  endpoints.type[slot(usb::kStreamIn)] = usb_redir_type_bulk;
-  endpoints.max_packet_size[slot(usb::kStreamIn)] = usb::kHighSpeedPacket;
+  for (const auto bulk : {usb::kStreamIn, usb::kBlobOut}) {
+    endpoints.type[slot(bulk)] = usb_redir_type_bulk;
+    endpoints.max_packet_size[slot(bulk)] = usb::kHighSpeedPacket;
+  }
+  endpoints.type[slot(usb::kEventIn)] = usb_redir_type_interrupt;
+  endpoints.max_packet_size[slot(usb::kEventIn)] = usb::kEventPacket;
+  endpoints.interval[slot(usb::kEventIn)] = u8(*device_.descriptors().find(0x0200), kEventInterval);
   usbredirparser_send_ep_info(parser_.get(), &endpoints);
 }
 
 void Guest::reset() {
+  receives_events_ = false;
   const auto asked = std::exchange(pending_, {});
   for (const auto& [id, question] : asked) {
     // What was not under way any more is answered when its completion comes.
@@ -134,6 +141,27 @@ void Guest::cancel(std::uint64_t id) {
   if (asked == pending_.end() || !device_.unlink(id)) return;  // it was, or will be, answered
   reply(asked->second, {id, UrbStatus::ok, {}, 0}, usb_redir_cancelled);
   pending_.erase(asked);
+}
+
+void Guest::start_events(std::uint64_t id, std::uint8_t endpoint) {
+  const bool ours = endpoint == usb::kEventIn;
+  if (ours && !std::exchange(receives_events_, true)) await_event();
+  usb_redir_interrupt_receiving_status_header header{
+      static_cast<std::uint8_t>(ours ? usb_redir_success : usb_redir_inval), endpoint};
+  usbredirparser_send_interrupt_receiving_status(parser_.get(), id, &header);
+}
+
+void Guest::stop_events(std::uint64_t id, std::uint8_t endpoint) {
+  receives_events_ = false;
+  if (device_.unlink(kNextEventId)) pending_.erase(kNextEventId);
+  usb_redir_interrupt_receiving_status_header header{usb_redir_success, endpoint};
+  usbredirparser_send_interrupt_receiving_status(parser_.get(), id, &header);
+}
+
+// At most one is asked for: while one still waits from before, that one will do.
+void Guest::await_event() {
+  if (!pending_.emplace(kNextEventId, NextEvent{}).second) return;
+  device_.submit({.id = kNextEventId, .endpoint = usb::kEventIn, .room = usb::kEventPacket});
 }
 
 void Guest::ask_control(std::uint64_t id, const ControlPacket& header, std::vector<std::byte> data) {
@@ -168,10 +196,26 @@ void Guest::ask(std::uint64_t id, const Question& question, usb::Urb urb, bool s
 void Guest::answer(const usb::Completion& done) {
   const auto asked = pending_.find(done.id);
   assert(asked != pending_.end());
-  reply(asked->second, done, status_of(done.status));
+  const Question question = asked->second;
   pending_.erase(asked);
+  reply(question, done, status_of(done.status));
   if (done.status != UrbStatus::gone || std::exchange(unplugged_, true)) return;
   usbredirparser_send_device_disconnect(parser_.get());
+}
+
+void Guest::answer_event(const usb::Completion& done) {
+  if (!receives_events_) return;
+  auto* const data = reinterpret_cast<std::uint8_t*>(const_cast<std::byte*>(done.data.data()));
+  if (done.status == UrbStatus::ok) {
+    usb_redir_interrupt_packet_header header{usb::kEventIn, usb_redir_success,
+                                             static_cast<std::uint16_t>(done.data.size())};
+    usbredirparser_send_interrupt_packet(parser_.get(), events_sent_++, &header, data,
+                                         static_cast<int>(done.data.size()));
+    return await_event();
+  }
+  receives_events_ = false;
+  usb_redir_interrupt_receiving_status_header header{status_of(done.status), usb::kEventIn};
+  usbredirparser_send_interrupt_receiving_status(parser_.get(), 0, &header);
 }
 
 void Guest::reply(const Question& question, const usb::Completion& done, std::uint8_t status) {
@@ -198,6 +242,8 @@ void Guest::reply(const Question& question, const usb::Completion& done, std::ui
     usb_redir_alt_setting_status_header header{status, setting->interface, len == 0 ? setting->number : *data};
     send_interface();
     usbredirparser_send_alt_setting_status(p, done.id, &header);
+  } else if (status != usb_redir_cancelled) {
+    answer_event(done);
   }
 }
 

@@ -43,7 +43,8 @@ class Guest {
   };
   using ControlPacket = usb_redir_control_packet_header;
   using BulkPacket = usb_redir_bulk_packet_header;
-  using Question = std::variant<ControlPacket, BulkPacket, Configuration, AltSetting>;
+  struct NextEvent {};  ///< asked for by ourselves while the guest receives events
+  using Question = std::variant<ControlPacket, BulkPacket, Configuration, AltSetting, NextEvent>;
 
   void set_callbacks();
   void set_data_callbacks();
@@ -54,6 +55,10 @@ class Guest {
   void send_interface();
   void reset();
   void cancel(std::uint64_t id);
+  void start_events(std::uint64_t id, std::uint8_t endpoint);
+  void stop_events(std::uint64_t id, std::uint8_t endpoint);
+  void await_event();
+  void answer_event(const usb::Completion& done);
   void ask_control(std::uint64_t id, const ControlPacket& header, std::vector<std::byte> data);
   void ask_bulk(std::uint64_t id, const BulkPacket& header, std::vector<std::byte> data);
   void ask_device(std::uint64_t id, const Question& question, usb::SetupPacket setup);
@@ -69,6 +74,8 @@ class Guest {
   std::unique_ptr<usbredirparser, Destroy> parser_;
   std::map<std::uint64_t, Question> pending_;
   int budget_ = 0;  ///< bytes to read in this round
+  bool receives_events_ = false;
+  std::uint64_t events_sent_ = 0;
   bool nonsense_ = false, unplugged_ = false;
 };
 

@@ -41,6 +41,14 @@ void Guest::set_callbacks() {
     const AltSetting asked{header->interface, 0};
     static_cast<Guest*>(self)->ask_device(id, asked, {kToInterface | kIn, kGetInterface, 0, asked.interface, 1});
   };
+  p.start_interrupt_receiving_func = [](void* self, std::uint64_t id,
+                                        usb_redir_start_interrupt_receiving_header* header) {
+    static_cast<Guest*>(self)->start_events(id, header->endpoint);
+  };
+  p.stop_interrupt_receiving_func = [](void* self, std::uint64_t id,
+                                       usb_redir_stop_interrupt_receiving_header* header) {
+    static_cast<Guest*>(self)->stop_events(id, header->endpoint);
+  };
   set_data_callbacks();
   refuse_the_rest();
 }
@@ -67,8 +75,6 @@ void Guest::refuse_the_rest() {
   const auto refuse = [](void* self, auto...) { static_cast<Guest*>(self)->nonsense_ = true; };
   p.start_iso_stream_func = refuse;
   p.stop_iso_stream_func = refuse;
-  p.start_interrupt_receiving_func = refuse;
-  p.stop_interrupt_receiving_func = refuse;
   p.start_bulk_receiving_func = refuse;
   p.stop_bulk_receiving_func = refuse;
   p.alloc_bulk_streams_func = refuse;

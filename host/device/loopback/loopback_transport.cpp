@@ -1,9 +1,11 @@
 #include "host/device/loopback/loopback_transport.h"
 
+#include <array>
 #include <cassert>
 #include <cstdint>
 #include <vector>
 
+#include "protocol/event.h"
 #include "protocol/record.h"
 
 namespace sonoloft::device {
@@ -31,6 +33,10 @@ tl::unexpected<Error> gone() {
   return fail(ErrorCode::transport_closed, "the device was unplugged: plug it in and open it again");
 }
 
+tl::unexpected<Error> silent() {
+  return fail(ErrorCode::timed_out, "the device did not answer: check the cable, then open it again");
+}
+
 }  // namespace
 
 LoopbackTransport::~LoopbackTransport() {
@@ -42,7 +48,14 @@ Result<std::size_t> LoopbackTransport::control(std::span<const std::byte> reques
   const auto done = port_.control(request, reply);
   if (done.status == PortStatus::ok) return done.size;
   if (done.status == PortStatus::gone) return gone();
-  return fail(ErrorCode::timed_out, "the device did not answer: check the cable, then open it again");
+  return silent();
+}
+
+Result<void> LoopbackTransport::send_block(std::span<const std::byte> block, std::chrono::milliseconds) {
+  const auto done = port_.write_block(block);
+  if (done.status == PortStatus::ok) return {};
+  if (done.status == PortStatus::gone) return gone();
+  return silent();
 }
 
 Result<void> LoopbackTransport::start_stream(TransferSink& sink, std::size_t max_record) {
@@ -54,6 +67,7 @@ Result<void> LoopbackTransport::start_stream(TransferSink& sink, std::size_t max
   while (status == PortStatus::ok) status = port_.read(stale.bytes(), 0).status;
   if (status == PortStatus::gone) return gone();
   event_thread_ = std::jthread([this, &sink, max_record] { pass_on(sink, max_record); });
+  device_events_thread_ = std::jthread([this, &sink] { pass_on_events(sink); });
   return {};
 }
 
@@ -61,6 +75,16 @@ void LoopbackTransport::stop_stream() {
   if (!event_thread_.joinable()) return;
   port_.cancel_reads();
   event_thread_.join();
+  device_events_thread_.join();
+}
+
+void LoopbackTransport::pass_on_events(TransferSink& sink) {
+  std::array<std::byte, protocol::kEventLen> event;
+  while (true) {
+    const auto done = port_.read_event(event, kReadTimeoutMs);
+    if (done.status == PortStatus::cancelled || done.status == PortStatus::gone) return;
+    if (done.status == PortStatus::ok) sink.on_event(std::span(event).first(done.size));
+  }
 }
 
 void LoopbackTransport::pass_on(TransferSink& sink, std::size_t max_record) {

@@ -15,40 +15,42 @@ namespace {
 constexpr std::chrono::milliseconds kPatience{1000};
 constexpr std::chrono::milliseconds kGrace{2000};  // for the kernel to give a transfer back
 
-// A control transfer under way. It belongs to its callback, so that one which comes back late does no harm.
-struct ControlTransfer {
-  explicit ControlTransfer(std::size_t data_len) : buffer(LIBUSB_CONTROL_SETUP_SIZE + data_len) {}
-  ~ControlTransfer() { libusb_free_transfer(transfer); }
-
-  libusb_transfer* transfer = libusb_alloc_transfer(0);
-  std::vector<unsigned char> buffer;
-  std::promise<void> ended;
-};
-
-void LIBUSB_CALL end_control(libusb_transfer* transfer) {
-  const std::unique_ptr<std::shared_ptr<ControlTransfer>> mine(
-      static_cast<std::shared_ptr<ControlTransfer>*>(transfer->user_data));
-  (*mine)->ended.set_value();
-}
-
 bool is_ours(const libusb_interface_descriptor& d) {
   return d.bInterfaceClass == protocol::usb::kInterfaceClass &&
          d.bInterfaceSubClass == protocol::usb::kInterfaceSubclass &&
          d.bInterfaceProtocol == protocol::usb::kInterfaceProtocol;
 }
 
+// The first of each kind.
 std::optional<UsbInterface> endpoints_of(const libusb_interface_descriptor& d) {
+  UsbInterface found{d.bInterfaceNumber, 0};
   for (int i = 0; i < d.bNumEndpoints; ++i) {
     const auto& endpoint = d.endpoint[i];
-    const bool bulk = (endpoint.bmAttributes & LIBUSB_TRANSFER_TYPE_MASK) == LIBUSB_TRANSFER_TYPE_BULK;
-    if (bulk && (endpoint.bEndpointAddress & LIBUSB_ENDPOINT_IN) != 0) {
-      return UsbInterface{d.bInterfaceNumber, endpoint.bEndpointAddress};
-    }
+    const int type = endpoint.bmAttributes & LIBUSB_TRANSFER_TYPE_MASK;
+    const bool in = (endpoint.bEndpointAddress & LIBUSB_ENDPOINT_IN) != 0;
+    std::uint8_t* place = nullptr;
+    if (type == LIBUSB_TRANSFER_TYPE_BULK) place = in ? &found.stream_in : &found.blob_out;
+    if (type == LIBUSB_TRANSFER_TYPE_INTERRUPT && in) place = &found.event_in;
+    if (place != nullptr && *place == 0) *place = endpoint.bEndpointAddress;
   }
-  return std::nullopt;
+  return found.stream_in == 0 ? std::nullopt : std::optional(found);
 }
 
 }  // namespace
+
+// A transfer under way. It belongs to its callback, so that one which comes back late does no harm.
+struct UsbHandle::Transfer {
+  explicit Transfer(std::size_t len) : buffer(len) {}
+  ~Transfer() { libusb_free_transfer(transfer); }
+  static void LIBUSB_CALL end(libusb_transfer* transfer) {
+    const std::unique_ptr<std::shared_ptr<Transfer>> mine(static_cast<std::shared_ptr<Transfer>*>(transfer->user_data));
+    (*mine)->ended.set_value();
+  }
+
+  libusb_transfer* transfer = libusb_alloc_transfer(0);
+  std::vector<unsigned char> buffer;
+  std::promise<void> ended;
+};
 
 std::optional<UsbInterface> find_interface(libusb_device* device) {
   libusb_device_descriptor of_device;
@@ -98,23 +100,43 @@ Result<std::size_t> UsbHandle::control(const libusb_control_setup& setup, std::s
                                        std::chrono::milliseconds timeout) {
   const std::string what = "USB request " + std::to_string(setup.bRequest);
   const bool in = (setup.bmRequestType & LIBUSB_ENDPOINT_IN) != 0;
-  const auto control = std::make_shared<ControlTransfer>(data.size());
+  const auto control = std::make_shared<Transfer>(LIBUSB_CONTROL_SETUP_SIZE + data.size());
   std::memcpy(control->buffer.data(), &setup, LIBUSB_CONTROL_SETUP_SIZE);
   if (!in) std::memcpy(control->buffer.data() + LIBUSB_CONTROL_SETUP_SIZE, data.data(), data.size());
-  auto ended = control->ended.get_future();
-  auto callbacks_share = std::make_unique<std::shared_ptr<ControlTransfer>>(control);
-  libusb_fill_control_transfer(control->transfer, handle_, control->buffer.data(), end_control, callbacks_share.get(),
+  libusb_fill_control_transfer(control->transfer, handle_, control->buffer.data(), Transfer::end, nullptr,
                                static_cast<unsigned>(timeout.count()));
-  if (const int status = libusb_submit_transfer(control->transfer); status != 0) return usb_error(status, what);
+  auto size = finish(control, timeout, what);
+  if (size && in) std::memcpy(data.data(), control->buffer.data() + LIBUSB_CONTROL_SETUP_SIZE, *size);
+  return size;
+}
+
+Result<void> UsbHandle::write(std::uint8_t endpoint, std::span<const std::byte> data,
+                              std::chrono::milliseconds timeout) {
+  const auto bulk = std::make_shared<Transfer>(data.size());
+  std::memcpy(bulk->buffer.data(), data.data(), data.size());
+  libusb_fill_bulk_transfer(bulk->transfer, handle_, endpoint, bulk->buffer.data(), static_cast<int>(data.size()),
+                            Transfer::end, nullptr, static_cast<unsigned>(timeout.count()));
+  const auto size = finish(bulk, timeout, "a USB transfer to the probe");
+  if (size) return {};
+  if (size.error().code == ErrorCode::io_failed) (void)libusb_clear_halt(handle_, endpoint);
+  return tl::unexpected<Error>(size.error());
+}
+
+// Submits it and waits for its end. @return the bytes moved
+Result<std::size_t> UsbHandle::finish(const std::shared_ptr<Transfer>& transfer, std::chrono::milliseconds timeout,
+                                      const std::string& what) {
+  auto ended = transfer->ended.get_future();
+  auto callbacks_share = std::make_unique<std::shared_ptr<Transfer>>(transfer);
+  transfer->transfer->user_data = callbacks_share.get();
+  if (const int status = libusb_submit_transfer(transfer->transfer); status != 0) return usb_error(status, what);
   (void)callbacks_share.release();
   if (ended.wait_for(timeout + kGrace) != std::future_status::ready) {
     abandon();
     return transfer_error(LIBUSB_TRANSFER_NO_DEVICE, what);
   }
-  if (control->transfer->status != LIBUSB_TRANSFER_COMPLETED) return transfer_error(control->transfer->status, what);
-  const auto size = static_cast<std::size_t>(control->transfer->actual_length);
-  if (in) std::memcpy(data.data(), control->buffer.data() + LIBUSB_CONTROL_SETUP_SIZE, size);
-  return size;
+  const libusb_transfer& done = *transfer->transfer;
+  if (done.status != LIBUSB_TRANSFER_COMPLETED) return transfer_error(done.status, what);
+  return static_cast<std::size_t>(done.actual_length);
 }
 
 Result<std::string> UsbHandle::serial() {

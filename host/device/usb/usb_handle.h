@@ -17,6 +17,7 @@ namespace sonoloft::device {
 /// Where the protocol is spoken, out of a device's descriptors.
 struct UsbInterface {
   std::uint8_t number, stream_in;
+  std::uint8_t event_in = 0, blob_out = 0;  ///< 0: it has none
 };
 
 /// nullopt: no probe. Opens nothing.
@@ -40,6 +41,10 @@ class UsbHandle {
   [[nodiscard]] Result<std::size_t> control(const libusb_control_setup& setup, std::span<std::byte> data,
                                             std::chrono::milliseconds timeout);
 
+  /// Writes to a bulk endpoint. @error as control(); an endpoint that was halted is let go on
+  [[nodiscard]] Result<void> write(std::uint8_t endpoint, std::span<const std::byte> data,
+                                   std::chrono::milliseconds timeout);
+
   /// The serial number. @error as control(); protocol_mismatch (it has none)
   [[nodiscard]] Result<std::string> serial();
 
@@ -50,6 +55,9 @@ class UsbHandle {
   void abandon() { abandoned_ = true; }
 
  private:
+  struct Transfer;
+  Result<std::size_t> finish(const std::shared_ptr<Transfer>& transfer, std::chrono::milliseconds timeout,
+                             const std::string& what);
   UsbHandle(std::shared_ptr<UsbContext> context, libusb_device_handle* handle, const UsbInterface& interface)
       : context_(std::move(context)), handle_(handle), interface_(interface) {}
 

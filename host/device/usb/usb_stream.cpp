@@ -18,8 +18,8 @@ constexpr int kMaxFailures = 50;
 
 }  // namespace
 
-UsbStream::UsbStream(libusb_device_handle* handle, std::uint8_t endpoint, std::size_t count, std::size_t size,
-                     TransferSink& sink)
+UsbStream::UsbStream(libusb_device_handle* handle, std::uint8_t endpoint, libusb_transfer_type type, std::size_t count,
+                     std::size_t size, TransferSink& sink)
     : handle_(handle), endpoint_(endpoint), sink_(sink), memory_(count * size + protocol::kRecordAlign), slots_(count) {
   void* first = memory_.data();
   std::size_t space = memory_.size();
@@ -29,6 +29,7 @@ UsbStream::UsbStream(libusb_device_handle* handle, std::uint8_t endpoint, std::s
     slot = {this, libusb_alloc_transfer(0)};
     libusb_fill_bulk_transfer(slot.transfer, handle_, endpoint_, buffer, static_cast<int>(size), on_completed, &slot,
                               0);
+    slot.transfer->type = static_cast<unsigned char>(type);
     idle_.push_back(&slot);
     buffer += size;
   }

@@ -15,15 +15,16 @@
 
 namespace sonoloft::device {
 
-/// The bulk transfers of one stream. libusb's event thread gathers finished ones, a thread of the stream hands their
-/// buffers to the sink where they lie and submits them again: a sink that blocks holds nothing up but its own stream.
-/// Threads: one at a time, but for restart() and reset(), which any thread may call that is not the sink's.
+/// The transfers of one IN endpoint, bulk or interrupt. libusb's event thread gathers finished ones, a thread of the
+/// stream hands their buffers to the sink where they lie and submits them again: a sink that blocks holds nothing up
+/// but its own stream. Threads: one at a time, but for restart() and reset(), which any thread may call that is not the
+/// sink's.
 class UsbStream {
  public:
   /// `count` transfers of `size` bytes on `endpoint`.
   /// @pre `handle` and `sink` outlive it; size is a multiple of 1024
-  UsbStream(libusb_device_handle* handle, std::uint8_t endpoint, std::size_t count, std::size_t size,
-            TransferSink& sink);
+  UsbStream(libusb_device_handle* handle, std::uint8_t endpoint, libusb_transfer_type type, std::size_t count,
+            std::size_t size, TransferSink& sink);
   /// @pre never begun, or end() returned true afterwards
   ~UsbStream();
 

@@ -22,6 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMaxTransfers = 8, kMinTransfers = 2;  // 8: 130 ms of 60 slices a second
 constexpr std::size_t kTransferStep = 1024;                  // whole packets at any speed
+constexpr std::size_t kEventTransfers = 4;
 constexpr std::chrono::milliseconds kDrainQuiet{10};
 constexpr std::chrono::milliseconds kDrainPatience{1000};
 
@@ -58,6 +59,17 @@ libusb_control_setup setup_of(std::uint8_t direction, std::uint8_t request, std:
 }
 
 }  // namespace
+
+// Events come as transfers, too. That the device went away the stream tells.
+class UsbTransport::EventSink final : public TransferSink {
+ public:
+  explicit EventSink(TransferSink& sink) : sink_(sink) {}
+  void on_transfer(std::span<const std::byte> event) override { sink_.on_event(event); }
+  void on_gone() override {}
+
+ private:
+  TransferSink& sink_;
+};
 
 Result<std::unique_ptr<UsbTransport>> UsbTransport::open(std::string_view serial) {
   auto found = find_probe(serial);
@@ -114,12 +126,20 @@ Result<void> UsbTransport::start_stream(TransferSink& sink, std::size_t max_reco
     note(drained.error());
     return drained;
   }
-  return begin_stream(sink, *count, size);
+  const UsbInterface& interface = handle_->interface();
+  if (interface.event_in != 0) {
+    event_sink_ = std::make_unique<EventSink>(sink);
+    auto events = std::make_unique<UsbStream>(handle_->libusb(), interface.event_in, LIBUSB_TRANSFER_TYPE_INTERRUPT,
+                                              kEventTransfers, kTransferStep, *event_sink_);
+    if (auto begun = begin(events_, std::move(events)); !begun) return begun;
+  }
+  return begin(stream_, std::make_unique<UsbStream>(handle_->libusb(), interface.stream_in, LIBUSB_TRANSFER_TYPE_BULK,
+                                                    *count, size, sink));
 }
 
-Result<void> UsbTransport::begin_stream(TransferSink& sink, std::size_t count, std::size_t size) {
-  stream_ = std::make_unique<UsbStream>(handle_->libusb(), handle_->interface().stream_in, count, size, sink);
-  auto begun = stream_->begin();
+Result<void> UsbTransport::begin(std::unique_ptr<UsbStream>& stream, std::unique_ptr<UsbStream> made) {
+  stream = std::move(made);
+  auto begun = stream->begin();
   if (!begun) {
     note(begun.error());
     stop_stream();
@@ -130,7 +150,9 @@ Result<void> UsbTransport::begin_stream(TransferSink& sink, std::size_t count, s
 Result<void> UsbTransport::drain(std::size_t transfer_size) {
   (void)libusb_clear_halt(handle_->libusb(), handle_->interface().stream_in);  // what fails here fails below
   Drain drained;
-  if (auto begun = begin_stream(drained, 1, transfer_size); !begun) return begun;
+  auto draining = std::make_unique<UsbStream>(handle_->libusb(), handle_->interface().stream_in,
+                                              LIBUSB_TRANSFER_TYPE_BULK, 1, transfer_size, drained);
+  if (auto begun = begin(stream_, std::move(draining)); !begun) return begun;
   const auto deadline = Clock::now() + kDrainPatience;
   int before = -1;
   while (!drained.gone && before != drained.received && Clock::now() < deadline) {
@@ -144,15 +166,29 @@ Result<void> UsbTransport::drain(std::size_t transfer_size) {
 }
 
 void UsbTransport::stop_stream() {
-  if (!stream_) return;
-  if (stream_->end()) {
-    stream_.reset();
+  end(stream_);
+  end(events_);
+}
+
+void UsbTransport::end(std::unique_ptr<UsbStream>& stream) {
+  if (!stream) return;
+  if (stream->end()) {
+    stream.reset();
     return;
   }
   // The kernel still writes into its buffers, so they must never be freed.
-  (void)stream_.release();
+  (void)stream.release();
   handle_->abandon();
   gone_ = true;
+}
+
+Result<void> UsbTransport::send_block(std::span<const std::byte> block, std::chrono::milliseconds timeout) {
+  if (gone_) return usb_error(LIBUSB_ERROR_NO_DEVICE, "USB probe " + serial_);
+  const std::uint8_t endpoint = handle_->interface().blob_out;
+  if (endpoint == 0) return Transport::send_block(block, timeout);
+  auto sent = handle_->write(endpoint, block, timeout);
+  if (!sent) note(sent.error());
+  return sent;
 }
 
 void UsbTransport::restart_stream() {
@@ -161,6 +197,7 @@ void UsbTransport::restart_stream() {
 
 void UsbTransport::reset_stream() {
   if (stream_) stream_->reset();
+  if (events_) events_->restart();  // the reset took its transfers back
 }
 
 Result<void> UsbTransport::reopen() {

@@ -29,6 +29,7 @@ class UsbTransport final : public Transport {
   [[nodiscard]] Result<std::size_t> control(std::span<const std::byte> request, std::span<std::byte> reply,
                                             std::chrono::milliseconds timeout) override;
   [[nodiscard]] Result<void> start_stream(TransferSink& sink, std::size_t max_record) override;
+  [[nodiscard]] Result<void> send_block(std::span<const std::byte> block, std::chrono::milliseconds timeout) override;
   void stop_stream() override;
   void restart_stream() override;
   void reset_stream() override;
@@ -42,16 +43,21 @@ class UsbTransport final : public Transport {
   [[nodiscard]] int speed_mbit() const;
 
  private:
+  class EventSink;
+
   UsbTransport(std::unique_ptr<UsbHandle> handle, std::string serial);
   Result<std::size_t> exchange(std::span<const std::byte> request, std::span<std::byte> reply,
                                std::chrono::milliseconds timeout);
   Result<void> drain(std::size_t transfer_size);
-  Result<void> begin_stream(TransferSink& sink, std::size_t count, std::size_t size);
+  Result<void> begin(std::unique_ptr<UsbStream>& stream, std::unique_ptr<UsbStream> made);
+  void end(std::unique_ptr<UsbStream>& stream);
   void note(const Error& error);
 
   std::unique_ptr<UsbHandle> handle_;
   std::string serial_;
   std::unique_ptr<UsbStream> stream_;
+  std::unique_ptr<EventSink> event_sink_;
+  std::unique_ptr<UsbStream> events_;  ///< nothing where the device has no endpoint for them
   std::atomic<bool> gone_ = false;
 };
 

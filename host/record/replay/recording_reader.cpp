@@ -52,6 +52,11 @@ Result<std::optional<Recorded>> RecordingReader::next() {
 Result<std::optional<Recorded>> RecordingReader::decoded(const mcap::Message& message) {
   const auto data = room_in(message_, message.data.size());
   std::copy(message.data.begin(), message.data.end(), data.begin());
+  const auto copy_of = [this](std::span<const std::byte> bytes) {
+    const auto copy = room_in(inner_, bytes.size());
+    std::copy(bytes.begin(), bytes.end(), copy.begin());
+    return copy;
+  };
   if (message.topic == name(Topic::slices)) {
     if (data.size() < kSliceHeaderLen) return failure(ErrorCode::parse_failed, "a slice is too short");
     std::rotate(data.begin(), data.end() - kSliceHeaderLen, data.end());
@@ -63,10 +68,12 @@ Result<std::optional<Recorded>> RecordingReader::decoded(const mcap::Message& me
   if (message.topic == name(Topic::transfers)) {
     const auto* table = table_of<wire::Transfer>(data);
     if (table == nullptr) return damaged();
-    const auto bytes = bytes_of(table->bytes());
-    const auto transfer = room_in(transfer_, bytes.size());
-    std::copy(bytes.begin(), bytes.end(), transfer.begin());
-    return Recorded{message.time_ns, RecordedTransfer{transfer}};
+    return Recorded{message.time_ns, RecordedTransfer{copy_of(bytes_of(table->bytes()))}};
+  }
+  if (message.topic == name(Topic::events)) {
+    const auto* table = table_of<wire::Event>(data);
+    if (table == nullptr) return damaged();
+    return Recorded{message.time_ns, RecordedEvent{copy_of(bytes_of(table->bytes()))}};
   }
   if (message.topic == name(Topic::requests)) {
     const auto* table = table_of<wire::Exchange>(data);

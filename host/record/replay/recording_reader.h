@@ -20,6 +20,9 @@ namespace sonoloft::record {
 struct RecordedTransfer {
   std::span<std::byte> bytes;  ///< 64-byte aligned
 };
+struct RecordedEvent {
+  std::span<std::byte> bytes;
+};
 struct RecordedExchange {
   std::span<const std::byte> request, reply;  ///< reply empty: none came
 };
@@ -27,7 +30,7 @@ struct RecordedExchange {
 /// One thing that was recorded; its views are good until the reader's next call.
 struct Recorded {
   std::uint64_t time_ns;  ///< since the Unix epoch
-  std::variant<RecordedTransfer, RecordedExchange, StreamMark> what;
+  std::variant<RecordedTransfer, RecordedEvent, RecordedExchange, StreamMark> what;
 };
 
 /// Reads a recording from its beginning to its end. Threads: one at a time.
@@ -53,7 +56,7 @@ class RecordingReader {
     std::byte bytes[64];
   };
   std::unique_ptr<mcap::McapReader> file_;
-  std::vector<Block> message_, transfer_;  ///< what `Recorded` refers to
+  std::vector<Block> message_, inner_;  ///< what `Recorded` refers to
 };
 
 }  // namespace sonoloft::record

@@ -59,7 +59,7 @@ struct ReplayTransport::State {
   void play(device::TransferSink& sink);
   std::optional<std::uint32_t> find_run();
   void serve(device::TransferSink& sink, std::uint32_t recorded_id);
-  bool hand_over(device::TransferSink& sink, std::span<std::byte> transfer, std::uint32_t recorded_id);
+  bool hand_over(device::TransferSink& sink, const Recorded& recorded, std::uint32_t recorded_id);
   bool wait_until(Clock::time_point due);
   void lose(device::TransferSink& sink);
   void end();
@@ -99,8 +99,7 @@ void ReplayTransport::State::serve(device::TransferSink& sink, std::uint32_t rec
   for (auto next = reader.next(); next && *next; next = reader.next()) {
     if (!first_ns) first_ns = (*next)->time_ns;
     if (speed > 0 && !wait_until(start + due_after(*first_ns, (*next)->time_ns, speed))) return;
-    auto* transfer = std::get_if<RecordedTransfer>(&(*next)->what);
-    if (transfer != nullptr && !hand_over(sink, transfer->bytes, recorded_id)) return;
+    if (!hand_over(sink, **next, recorded_id)) return;
     const auto* mark = std::get_if<StreamMark>(&(*next)->what);
     if (mark != nullptr && *mark == StreamMark::gone) return lose(sink);
     if (mark != nullptr) break;
@@ -109,14 +108,18 @@ void ReplayTransport::State::serve(device::TransferSink& sink, std::uint32_t rec
 }
 
 /// @return false where the stream is to stop
-bool ReplayTransport::State::hand_over(device::TransferSink& sink, std::span<std::byte> transfer,
+bool ReplayTransport::State::hand_over(device::TransferSink& sink, const Recorded& recorded,
                                        std::uint32_t recorded_id) {
+  const auto* transfer = std::get_if<RecordedTransfer>(&recorded.what);
+  const auto* event = std::get_if<RecordedEvent>(&recorded.what);
   {
     const std::lock_guard lock(mutex);
     if (stopping || !probe.session_id()) return false;
-    probe.adopt(transfer, recorded_id);
+    if (transfer != nullptr) probe.adopt(transfer->bytes, recorded_id);
+    if (event != nullptr) probe.adopt_event(event->bytes, recorded_id);
   }
-  sink.on_transfer(transfer);
+  if (transfer != nullptr) sink.on_transfer(transfer->bytes);
+  if (event != nullptr) sink.on_event(event->bytes);
   return true;
 }
 

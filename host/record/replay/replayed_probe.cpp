@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "protocol/crc32c.h"
+#include "protocol/event.h"
 #include "protocol/record.h"
 
 namespace sonoloft::record {
@@ -27,7 +28,8 @@ ReplayedProbe::ReplayedProbe(std::vector<std::byte> info, std::vector<std::byte>
   protocol::InfoReply known;
   if (!protocol::read_payload(info_, known)) return;
   known.capabilities |= protocol::kCapLossless;  // whatever it was, it can wait now
-  std::memcpy(info_.data(), &known, sizeof known);
+  known.capabilities &= ~protocol::kCapBlobs;
+  std::memcpy(info_.data(), &known, std::min(info_.size(), sizeof known));
 }
 
 std::size_t ReplayedProbe::answer(std::span<const std::byte> bytes, std::span<std::byte> reply) {
@@ -78,6 +80,14 @@ void ReplayedProbe::adopt(std::span<std::byte> record, std::uint32_t recorded_id
   stats_.next_seq = std::max(stats_.next_seq, header.seq + 1);
   stats_.dropped = header.device_dropped_total;
   stats_.sent = stats_.next_seq - stats_.dropped;
+}
+
+void ReplayedProbe::adopt_event(std::span<std::byte> bytes, std::uint32_t recorded_id) const {
+  auto event = protocol::parse_event(bytes);
+  if (!event || event->session_id != recorded_id) return;
+  event->session_id = *session_id_;
+  *event = protocol::seal_event(*event);
+  std::memcpy(bytes.data(), &*event, sizeof *event);
 }
 
 }  // namespace sonoloft::record

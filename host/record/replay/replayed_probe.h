@@ -29,6 +29,8 @@ class ReplayedProbe {
   /// A record is about to be sent: one of the recorded session becomes one of the present session and is counted, all
   /// else stays as it is. @pre session_id()
   void adopt(std::span<std::byte> record, std::uint32_t recorded_id);
+  /// The same of an event. @pre session_id()
+  void adopt_event(std::span<std::byte> event, std::uint32_t recorded_id) const;
 
  private:
   std::size_t reply_ok(std::uint32_t request_id, std::span<const std::byte> payload, std::span<std::byte> reply) const;

@@ -60,7 +60,7 @@ TEST_CASE("capi callbacks: start() inside is wrong_state") {
   sonoloft_scan* const scan = open_scan(2);
   sonoloft_status inside = SONOLOFT_OK;
   Follower follower([&](sonoloft_mesh*) {
-    const sonoloft_callbacks callbacks{sizeof callbacks, nullptr, nullptr, nullptr};
+    const sonoloft_callbacks callbacks{sizeof callbacks, nullptr, nullptr, nullptr, nullptr};
     inside = sonoloft_scan_start(scan, &callbacks, nullptr);
   });
   follower.start(scan);

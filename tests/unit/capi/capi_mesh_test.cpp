@@ -105,6 +105,34 @@ TEST_CASE("capi: slices come with contours, a rigid pose, times and their fate")
   CHECK(contours >= kSlices);
 }
 
+TEST_CASE("capi: the chunks that changed, mesh after mesh, are the last mesh") {
+  sonoloft_scan* const scan = open_scan(kSlices);
+  std::map<std::array<std::int32_t, 3>, std::size_t> triangles;
+  std::size_t vanished = 0, seen = 0;
+  Follower follower([&](sonoloft_mesh* mesh) {
+    const std::size_t count = sonoloft_mesh_changed_chunks(mesh);
+    for (std::size_t i = 0; i < count; ++i) {
+      const sonoloft_chunk& chunk = *sonoloft_mesh_changed_chunk(mesh, i);
+      ++seen;
+      triangles[{chunk.x, chunk.y, chunk.z}] = chunk.triangles;
+      vanished += chunk.triangles == 0 ? 1 : 0;
+      for (std::size_t c = 0; c < 3 * chunk.triangles; ++c) CHECK(chunk.corners[c] < chunk.vertices);
+      for (std::size_t t = 0; t < chunk.triangles; ++t) {
+        CHECK(chunk.label_pairs[2 * t] != chunk.label_pairs[2 * t + 1]);
+      }
+    }
+    CHECK(sonoloft_mesh_changed_chunk(mesh, count) == nullptr);
+  });
+  follower.start(scan);
+  REQUIRE(follower.wait_for(SONOLOFT_END_OF_DATA));
+  sonoloft_scan_close(scan);
+  std::size_t sum = 0;
+  for (const auto& [coord, count] : triangles) sum += count;
+  CHECK(sum == sonoloft_mesh_get_arrays(follower.last())->triangles);
+  CHECK(follower.slices() == static_cast<int>(kSlices));
+  MESSAGE(follower.meshes() << " meshes, " << seen << " chunks told, " << vanished << " vanished");
+}
+
 TEST_CASE("capi: coverage, confidence, withdrawal and the device's names") {
   sonoloft_scan* const scan = open_scan(kSlices);
   CHECK(std::string(sonoloft_scan_device(scan)->serial) == "SIM-0001");
@@ -140,7 +168,8 @@ TEST_CASE("capi: structs have one size in C and in C++, and contours that of the
   const std::array sizes{sizeof(sonoloft_error),        sizeof(sonoloft_simulation), sizeof(sonoloft_mesh_info),
                          sizeof(sonoloft_mesh_arrays),  sizeof(sonoloft_contour),    sizeof(sonoloft_slice),
                          sizeof(sonoloft_scan_options), sizeof(sonoloft_callbacks),  sizeof(sonoloft_statistics),
-                         sizeof(sonoloft_coverage)};
+                         sizeof(sonoloft_coverage),     sizeof(sonoloft_chunk),      sizeof(sonoloft_event),
+                         sizeof(sonoloft_transport)};
   for (std::size_t i = 0; i < sizes.size(); ++i) CHECK(sizes_in_c(i) == sizes[i]);
   CHECK(sizeof(sonoloft_contour) == 12);
   CHECK(sizeof(sonoloft_error) == 512);

@@ -62,7 +62,7 @@ class Follower {
   Follower& operator=(const Follower&) = delete;
 
   void start(sonoloft_scan* scan) {
-    const sonoloft_callbacks callbacks{sizeof callbacks, this, &on_mesh, &on_event};
+    const sonoloft_callbacks callbacks{sizeof callbacks, this, &on_mesh, &on_event, &on_slice};
     sonoloft_error error{};
     REQUIRE_MESSAGE(sonoloft_scan_start(scan, &callbacks, &error) == SONOLOFT_OK, error.message);
   }
@@ -73,6 +73,7 @@ class Follower {
     return wait([this, count] { return meshes_ >= count; });
   }
   [[nodiscard]] int meshes() const { return meshes_; }
+  [[nodiscard]] int slices() const { return slices_; }
   [[nodiscard]] int events(sonoloft_event_kind kind) const { return events_[kind]; }
   [[nodiscard]] const sonoloft_mesh* last() const { return last_; }  ///< @pre the run is over
 
@@ -83,6 +84,12 @@ class Follower {
     self->last_ = sonoloft_mesh_retain(mesh);
     ++self->meshes_;
     if (self->then_) self->then_(mesh);
+  }
+  static void on_slice(void* user, const sonoloft_slice* slice) {
+    auto* self = static_cast<Follower*>(user);
+    CHECK(slice->fate == SONOLOFT_UNDECIDED);
+    CHECK(slice->field_of_view_points >= 3);
+    ++self->slices_;
   }
   static void on_event(void* user, const sonoloft_event* event) {
     ++static_cast<Follower*>(user)->events_[event->kind];
@@ -100,7 +107,8 @@ class Follower {
   std::function<void(sonoloft_mesh*)> then_;
   sonoloft_mesh* last_ = nullptr;
   std::atomic<int> meshes_ = 0;
-  std::atomic<int> events_[SONOLOFT_END_OF_DATA + 1] = {};
+  std::atomic<int> events_[SONOLOFT_BUTTON + 1] = {};
+  std::atomic<int> slices_ = 0;
 };
 
 }  // namespace sonoloft::test

@@ -18,10 +18,11 @@ class Driver final : private device::TransferSink {
       : misalignment_(misalignment), device_(*open_simulated_probe({.slices = 6, .rate_hz = 0})) {}
 
   sonoloft_transport functions() {
-    return {sizeof(sonoloft_transport), this, &control, &start_stream, &stop_stream, &close};
+    return {sizeof(sonoloft_transport), this, &control, &start_stream, &stop_stream, &close, &send_block};
   }
   [[nodiscard]] int closed() const { return closed_; }
   [[nodiscard]] int transfers() const { return transfers_; }
+  [[nodiscard]] int events() const { return events_; }
 
  private:
   static Driver& self(void* user) { return *static_cast<Driver*>(user); }
@@ -41,6 +42,11 @@ class Driver final : private device::TransferSink {
   }
   static void stop_stream(void* user) { self(user).device_->stop_stream(); }
   static void close(void* user) { ++self(user).closed_; }
+  static sonoloft_status send_block(void* user, const void* bytes, std::size_t length, std::uint32_t timeout_ms) {
+    const auto sent = self(user).device_->send_block({static_cast<const std::byte*>(bytes), length},
+                                                     std::chrono::milliseconds(timeout_ms));
+    return sent ? SONOLOFT_OK : static_cast<sonoloft_status>(sent.error().code);
+  }
 
   void on_transfer(std::span<const std::byte> transfer) override {
     ++transfers_;
@@ -49,6 +55,10 @@ class Driver final : private device::TransferSink {
     std::memcpy(to, transfer.data(), transfer.size());
     sonoloft_sink_transfer(sink_, to, transfer.size());
   }
+  void on_event(std::span<const std::byte> event) override {
+    ++events_;
+    sonoloft_sink_event(sink_, event.data(), event.size());
+  }
   void on_gone() override { sonoloft_sink_gone(sink_); }
 
   static constexpr std::size_t kAlignment = 64;
@@ -56,7 +66,7 @@ class Driver final : private device::TransferSink {
   std::unique_ptr<device::Transport> device_;
   sonoloft_sink* sink_ = nullptr;
   std::vector<std::byte> buffer_;
-  std::atomic<int> closed_ = 0, transfers_ = 0;
+  std::atomic<int> closed_ = 0, transfers_ = 0, events_ = 0;
 };
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
+#include <cmath>
 #include <limits>
 
 #include "tests/support/wire_slices.h"
@@ -85,4 +87,25 @@ TEST_CASE("calibration: a quaternion that is a little long still gives a rigid p
   const auto delivered = device::to_delivered(owned.view(), 3, calibration, {});
   const Eigen::Matrix3d r = delivered.slice.image_to_reference.linear();
   CHECK((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-14);
+}
+
+TEST_CASE("calibration: the worked example of docs/coordinates.md") {
+  Eigen::Matrix<double, 3, 4> m;
+  m << 0.2, 0, 0, -64, 0, 0.25, 0, -10, 0, 0, 1, 5;
+  const auto calibration = make_calibration(message(m));
+  REQUIRE(calibration);
+  const std::array<protocol::Point, 3> points{{{320, 100}, {330, 100}, {330, 110}}};
+  const protocol::Contour contour{0, 3, 1, 0};
+  protocol::Slice sent;
+  sent.calibration_id = 7;
+  sent.pose.qw = sent.pose.qz = std::sqrt(0.5);
+  sent.pose.tx_mm = 100;
+  sent.pose.ty_mm = 20;
+  sent.pose.tz_mm = -30;
+  sent.points = points;
+  sent.contours = {&contour, 1};
+  const TrackedSlice slice = device::to_delivered(sent, 0, *calibration, {}).slice;
+  CHECK((slice.points[0] - Eigen::Vector2d(64, 25)).norm() < 1e-12);
+  const Eigen::Vector3d p_reference = slice.image_to_reference * Eigen::Vector3d(64, 25, 0);
+  CHECK((p_reference - Eigen::Vector3d(85, 20, -25)).norm() < 1e-12);
 }

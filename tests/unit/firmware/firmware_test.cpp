@@ -36,10 +36,10 @@ TEST_CASE("firmware: GET_INFO says what the device is and can hold") {
   REQUIRE(info);
   CHECK(info->major == kVersion.major);
   CHECK(info->schema_hash == kSchemaHash);
-  CHECK(info->capabilities == (kCapSlices | kCapLossless | kCapCalibration));
+  CHECK(info->capabilities == (kCapSlices | kCapLossless | kCapCalibration | kCapEvents | kCapMasks));
   CHECK(info->ring_capacity == 5);
   CHECK(info->max_points == kTestLimits.max_points);
-  CHECK(info->max_record >= max_record_len(kTestLimits.max_points, kTestLimits.max_contours, kTestLimits.max_points));
+  CHECK(info->max_record >= max_record_len(kTestLimits));
   CHECK(std::string(info->serial) == "BENCH-1");
 }
 
@@ -53,6 +53,25 @@ TEST_CASE("firmware: slices of the largest size fit into a ring slot") {
   Acceptor acceptor(test_agreement());
   AcceptedSlice accepted;
   CHECK(acceptor.accept(bench.take(), accepted) == Reject::none);
+}
+
+TEST_CASE("firmware: a mask of the most runs fits into a ring slot, and a host of 1.0 gets none") {
+  FirmwareBench bench(1);
+  REQUIRE(bench.start() == Status::ok);
+  auto masked = make_masked_slice(1, kTestLimits.max_mask_runs, 1);
+  masked.mask_runs.assign(kTestLimits.max_mask_runs, {1, 1});
+  masked.field_of_view.resize(kTestLimits.max_points, Point{1, 2});
+  bench.firmware.acquire(masked.view(), 1'000'000'000);
+  Acceptor acceptor(test_agreement());
+  AcceptedSlice accepted;
+  CHECK(acceptor.accept(bench.take(), accepted) == Reject::none);
+
+  REQUIRE(bench.tell(Command::stop) == Status::ok);
+  REQUIRE(bench.start(StreamMode::live, 2, 0) == Status::ok);
+  bench.firmware.acquire(masked.view(), 1'000'000'000);
+  bench.acquire(1);
+  CHECK(stats_of(bench).next_seq == 1);
+  CHECK(stats_of(bench).refused == 1);
 }
 
 TEST_CASE("firmware: it streams between START and STOP only") {
@@ -82,7 +101,7 @@ TEST_CASE("firmware: a START that nobody can serve is refused") {
   CHECK(refused([](auto& r) { r.streams = 3; }));
   CHECK(refused([](auto& r) { r.mode = 2; }));
   CHECK(refused([](auto& r) { r.major = 2; }));
-  CHECK(refused([](auto& r) { r.minor = 1; }));
+  CHECK(refused([](auto& r) { r.minor = kVersion.minor + 1; }));
   CHECK(bench.tell(Command::start, bytes_of(request).first(8)) == Status::bad_request);
   CHECK(state_of(bench) == DeviceState::idle);
 }
@@ -229,10 +248,10 @@ TEST_CASE("firmware: TIME_SYNC latches the device's clock, RESET forgets everyth
 
 TEST_CASE("firmware: the end of the source shows until the next START") {
   FirmwareBench bench;
-  bench.firmware.end_of_source();
+  bench.firmware.end_of_source(1);
   CHECK(bench.ask<HeartbeatReply>(Command::heartbeat)->flags == 0);
   REQUIRE(bench.start() == Status::ok);
-  bench.firmware.end_of_source();
+  bench.firmware.end_of_source(1);
   CHECK(bench.ask<HeartbeatReply>(Command::heartbeat)->flags == kStatsSourceEnded);
   CHECK(bench.tell(Command::stop) == Status::ok);
   REQUIRE(bench.start() == Status::ok);
@@ -241,7 +260,7 @@ TEST_CASE("firmware: the end of the source shows until the next START") {
 
 TEST_CASE("firmware: any bytes for a request get an answer and unknown commands are said to be unknown") {
   FirmwareBench bench;
-  CHECK(bench.tell(static_cast<Command>(12)) == Status::not_implemented);
+  CHECK(bench.tell(static_cast<Command>(15)) == Status::not_implemented);
   CHECK(bench.tell(static_cast<Command>(0)) == Status::not_implemented);
   std::array<std::byte, 64> noise{};
   std::mt19937 random(5);

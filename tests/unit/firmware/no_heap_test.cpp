@@ -43,6 +43,9 @@ TEST_CASE("no heap: requests, acquisition, sending and accepting never allocate"
   FirmwareBench bench;
   auto slice = make_wire_slice(1, 20, 100);
   const auto& view = slice.view();
+  auto masked = make_masked_slice(1);
+  const auto& mask = masked.view();
+  std::array<std::byte, kEventLen> event;
   Acceptor acceptor(test_agreement());
   AcceptedSlice accepted;
   CalibrationMessage calibration = FirmwareBench::config().calibration;
@@ -54,6 +57,9 @@ TEST_CASE("no heap: requests, acquisition, sending and accepting never allocate"
     all_well &= bench.tell(Command::set_calibration, bytes_of(calibration)) == Status::ok;
     all_well &= bench.start() == Status::ok;
     for (int i = 0; i < 6; ++i) bench.firmware.acquire(view, bench.now_ms * 1'000'000);
+    bench.firmware.acquire(mask, bench.now_ms * 1'000'000);
+    bench.firmware.button(1, true, bench.now_ms * 1'000'000);
+    all_well &= bench.firmware.take_event(event) == kEventLen;
     for (int i = 0; i < 4; ++i) all_well &= acceptor.accept(bench.take(), accepted) == Reject::none;
     all_well &= bench.ask<StatsReply>(Command::get_stats).has_value();
     all_well &= bench.tell(Command::stop) == Status::ok;

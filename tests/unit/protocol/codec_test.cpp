@@ -7,22 +7,42 @@
 using namespace sonoloft::protocol;
 using namespace sonoloft::test;
 
+namespace {
+
+// A slice's record, accepted from memory of its own.
+struct Journey {
+  Journey(const Slice& slice, std::uint64_t seq) : record(make_record(slice, seq)), transfer(record.size()) {
+    std::memcpy(transfer.bytes().data(), record.data(), record.size());
+    Acceptor acceptor(test_agreement());
+    REQUIRE(acceptor.accept(transfer.bytes(), accepted) == Reject::none);
+  }
+  std::vector<std::byte> record;
+  AlignedBytes transfer;
+  AcceptedSlice accepted;
+};
+
+}  // namespace
+
 TEST_CASE("codec: what was encoded comes back unchanged") {
   for (std::uint32_t seed = 0; seed < 200; ++seed) {
     auto owned = make_wire_slice(seed, seed % 21, 3 + seed % 50);
     if (seed % 3 == 0) owned.field_of_view.clear();
-    const auto record = make_record(owned.view(), seed);
-    AlignedBytes transfer(record.size());
-    std::memcpy(transfer.bytes().data(), record.data(), record.size());
+    const Journey journey(owned.view(), seed);
+    REQUIRE(same(journey.accepted.slice, owned.view()));
+    REQUIRE(journey.accepted.header.seq == seed);
+    REQUIRE(journey.accepted.header.device_dropped_total == 3);
+    REQUIRE(journey.accepted.header.ring_used == 2);
+    REQUIRE(journey.accepted.header.ring_capacity == 16);
+  }
+}
 
-    Acceptor acceptor(test_agreement());
-    AcceptedSlice accepted;
-    REQUIRE(acceptor.accept(transfer.bytes(), accepted) == Reject::none);
-    REQUIRE(same(accepted.slice, owned.view()));
-    REQUIRE(accepted.header.seq == seed);
-    REQUIRE(accepted.header.device_dropped_total == 3);
-    REQUIRE(accepted.header.ring_used == 2);
-    REQUIRE(accepted.header.ring_capacity == 16);
+TEST_CASE("codec: a mask comes back unchanged, and its record says so to readers that know none") {
+  for (std::uint32_t seed = 0; seed < 100; ++seed) {
+    auto owned = make_masked_slice(seed, static_cast<std::uint16_t>(1 + seed % 90));
+    const Journey journey(owned.view(), seed);
+    REQUIRE(same(journey.accepted.slice, owned.view()));
+    REQUIRE(journey.accepted.header.incompat == kIncompatMask);
+    REQUIRE(journey.record.size() <= max_record_len(owned.slice));
   }
 }
 
@@ -32,7 +52,7 @@ TEST_CASE("codec: no record's length is a multiple of 64 and none is longer than
     auto owned = make_wire_slice(points, 1 + points % 4, points);
     const auto& slice = owned.view();
     const auto record = make_record(slice);
-    const auto bound = max_record_len(slice.points.size(), slice.contours.size(), slice.field_of_view.size());
+    const auto bound = max_record_len(slice);
     REQUIRE(record.size() % 64 != 0);
     REQUIRE(record.size() <= bound);
     longest_slack = std::max(longest_slack, static_cast<std::size_t>(bound) - record.size());
@@ -43,8 +63,7 @@ TEST_CASE("codec: no record's length is a multiple of 64 and none is longer than
 TEST_CASE("codec: a buffer that might be too small is refused before anything is built") {
   auto owned = make_wire_slice(1);
   const auto& slice = owned.view();
-  const auto need =
-      static_cast<std::size_t>(max_record_len(slice.points.size(), slice.contours.size(), slice.field_of_view.size()));
+  const auto need = static_cast<std::size_t>(max_record_len(slice));
   AlignedBytes buffer(need);
   for (std::size_t size = 0; size < need; size += 7) {
     CHECK(encode_slice(slice, {0, 1, 0}, buffer.first(size)) == 0);

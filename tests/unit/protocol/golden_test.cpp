@@ -5,7 +5,9 @@
 #include <sstream>
 #include <string>
 
+#include "protocol/block.h"
 #include "protocol/command.h"
+#include "protocol/event.h"
 #include "tests/support/wire_slices.h"
 
 using namespace sonoloft::protocol;
@@ -60,6 +62,41 @@ OwnedWireSlice golden_slice() {
   return owned;
 }
 
+OwnedWireSlice golden_mask() {
+  OwnedWireSlice owned = golden_slice();
+  owned.points.clear();
+  owned.contours.clear();
+  owned.slice.mask_grid = {-1.5f, 8, 0.25f, 5, 3};
+  owned.mask_runs = {{7, 0}, {4, 2}, {1, kUnknownLabel}, {3, 0}};
+  return owned;
+}
+
+// A record of a committed file, as a reader of its version and schema would take it.
+AcceptedSlice read_record(AlignedBytes& transfer) {
+  const auto bytes = transfer.bytes();
+  RecordHeader header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  Agreement agreed = test_agreement(0x5E551014);
+  agreed.minor = header.minor;
+  agreed.schema_hash = header.schema_hash;
+  Acceptor acceptor(agreed);
+  AcceptedSlice accepted;
+  REQUIRE(acceptor.accept(bytes, accepted) == Reject::none);
+  return accepted;
+}
+
+AlignedBytes aligned(const Bytes& bytes) {
+  AlignedBytes copy(bytes.size());
+  std::memcpy(copy.bytes().data(), bytes.data(), bytes.size());
+  return copy;
+}
+
+struct Committed {
+  const char* record;
+  int minor;
+};
+constexpr Committed kRecords[] = {{"tests/golden/slice_record_v1.hex", 0}, {"tests/golden/slice_record_v1_1.hex", 1}};
+
 template <class T>
 T number_at(const Bytes& bytes, std::size_t offset) {
   T value;
@@ -70,54 +107,58 @@ T number_at(const Bytes& bytes, std::size_t offset) {
 
 }  // namespace
 
-TEST_CASE("golden: a slice record is the committed bytes") {
+TEST_CASE("golden: records of slices with contours and with a mask are the committed bytes") {
   auto owned = golden_slice();
-  check_equal(make_record(owned.view(), 0x0000000500000006, 0x5E551014), "tests/golden/slice_record_v1.hex");
+  check_equal(make_record(owned.view(), 0x0000000500000006, 0x5E551014), "tests/golden/slice_record_v1_1.hex");
+  auto masked = golden_mask();
+  check_equal(make_record(masked.view(), 0x0000000500000006, 0x5E551014), "tests/golden/mask_record_v1_1.hex");
 }
 
-TEST_CASE("golden: the committed slice record is read as the slice it was made of") {
-  const Bytes golden = read_hex("tests/golden/slice_record_v1.hex");
-  AlignedBytes transfer(golden.size());
-  std::memcpy(transfer.bytes().data(), golden.data(), golden.size());
-  Acceptor acceptor(test_agreement(0x5E551014));
-  AcceptedSlice accepted;
-  REQUIRE(acceptor.accept(transfer.bytes(), accepted) == Reject::none);
-  auto owned = golden_slice();
-  CHECK(same(accepted.slice, owned.view()));
+TEST_CASE("golden: the committed records of every version are read as the slices they were made of") {
+  for (const Committed& version : kRecords) {
+    auto transfer = aligned(read_hex(version.record));
+    auto owned = golden_slice();
+    CHECK(same(read_record(transfer).slice, owned.view()));
+  }
+  auto transfer = aligned(read_hex("tests/golden/mask_record_v1_1.hex"));
+  auto masked = golden_mask();
+  CHECK(same(read_record(transfer).slice, masked.view()));
 }
 
 TEST_CASE("golden: every header and trailer number stands where docs/protocol.md says") {
-  const Bytes golden = read_hex("tests/golden/slice_record_v1.hex");
-  REQUIRE(golden.size() >= 80);
-  CHECK(std::memcmp(golden.data(), "SONO", 4) == 0);
-  CHECK(number_at<std::uint16_t>(golden, 4) == 64);
-  CHECK(number_at<std::uint8_t>(golden, 6) == 1);
-  CHECK(number_at<std::uint8_t>(golden, 7) == 0);
-  CHECK(number_at<std::uint16_t>(golden, 8) == 1);
-  CHECK(number_at<std::uint16_t>(golden, 10) == 0);
-  CHECK(number_at<std::uint32_t>(golden, 12) == 0);
-  CHECK(number_at<std::uint32_t>(golden, 16) == golden.size());
-  CHECK(number_at<std::uint32_t>(golden, 20) <= golden.size() - 80);
-  CHECK(number_at<std::uint64_t>(golden, 24) == 0x0000000500000006);
-  CHECK(number_at<std::uint64_t>(golden, 32) == 0x0102030405060708);
-  CHECK(number_at<std::uint32_t>(golden, 40) == 0x5E551014);
-  CHECK(number_at<std::uint32_t>(golden, 44) == 3);
-  CHECK(number_at<std::uint16_t>(golden, 52) == 2);
-  CHECK(number_at<std::uint16_t>(golden, 54) == 16);
-  CHECK(number_at<std::uint32_t>(golden, 56) == 0);
-  CHECK(number_at<std::uint32_t>(golden, golden.size() - 12) == 6);
-  CHECK(number_at<std::uint32_t>(golden, golden.size() - 8) == 0);
-  CHECK(std::memcmp(golden.data() + golden.size() - 4, "LOFT", 4) == 0);
+  for (const Committed& version : kRecords) {
+    const Bytes golden = read_hex(version.record);
+    REQUIRE(golden.size() >= 80);
+    CHECK(std::memcmp(golden.data(), "SONO", 4) == 0);
+    CHECK(number_at<std::uint16_t>(golden, 4) == 64);
+    CHECK(number_at<std::uint8_t>(golden, 6) == 1);
+    CHECK(number_at<std::uint8_t>(golden, 7) == version.minor);
+    CHECK(number_at<std::uint16_t>(golden, 8) == 1);
+    CHECK(number_at<std::uint16_t>(golden, 10) == 0);
+    CHECK(number_at<std::uint32_t>(golden, 12) == 0);
+    CHECK(number_at<std::uint32_t>(golden, 16) == golden.size());
+    CHECK(number_at<std::uint32_t>(golden, 20) <= golden.size() - 80);
+    CHECK(number_at<std::uint64_t>(golden, 24) == 0x0000000500000006);
+    CHECK(number_at<std::uint64_t>(golden, 32) == 0x0102030405060708);
+    CHECK(number_at<std::uint32_t>(golden, 40) == 0x5E551014);
+    CHECK(number_at<std::uint32_t>(golden, 44) == 3);
+    CHECK(number_at<std::uint16_t>(golden, 52) == 2);
+    CHECK(number_at<std::uint16_t>(golden, 54) == 16);
+    CHECK(number_at<std::uint32_t>(golden, 56) == 0);
+    CHECK(number_at<std::uint32_t>(golden, golden.size() - 12) == 6);
+    CHECK(number_at<std::uint32_t>(golden, golden.size() - 8) == 0);
+    CHECK(std::memcmp(golden.data() + golden.size() - 4, "LOFT", 4) == 0);
+  }
 }
 
-TEST_CASE("golden: requests and replies are the committed bytes") {
-  InfoReply info{1, 0, 9, 0xAABBCCDD, 3, 65536, 4096, 64, 16, 0, 1000, "0.1.0", "SIM-0001"};
+TEST_CASE("golden: requests and replies of 1.0 are the committed bytes") {
+  InfoReply info{1, 0, 9, 0xAABBCCDD, 3, 65536, 4096, 64, 16, 0, 1000, "0.1.0", "SIM-0001", 0, 0, 0, 0};
   CalibrationMessage calibration{0xCA11B007, 0, {0.2, 0, 0, -64, 0, 0.25, 0, -10, 0, 0, 1, 5}};
   Bytes all;
   std::array<std::byte, kMaxRequestLen> wire;
   const auto add = [&](std::size_t len) { all.insert(all.end(), wire.begin(), wire.begin() + static_cast<long>(len)); };
   add(encode_request(Command::get_info, 1, {}, wire));
-  add(encode_reply(Status::ok, 1, bytes_of(info), wire));
+  add(encode_reply(Status::ok, 1, bytes_of(info).first(kInfoReplyLen_1_0), wire));
   add(encode_request(Command::start, 2, bytes_of(StartRequest{0x5E551014, kSliceStream, 1, 1, 0}), wire));
   add(encode_reply(Status::wrong_state, 2, {}, wire));
   add(encode_reply(Status::ok, 3, bytes_of(StatsReply{0x5E551014, 1, 2, 11, 7, 3, 5, 1, 1}), wire));
@@ -128,4 +169,34 @@ TEST_CASE("golden: requests and replies are the committed bytes") {
   add(encode_request(Command::set_calibration, 7, bytes_of(calibration), wire));
   add(encode_reply(Status::pending, 8, bytes_of(PendingReply{250}), wire));
   check_equal(all, "tests/golden/messages_v1.hex");
+}
+
+TEST_CASE("golden: what 1.1 added is the committed bytes") {
+  const InfoReply info{1, 1,    9,       0xAABBCCDD, 0x3B,  65536,   4096,    64,  16,
+                       0, 1000, "0.2.0", "SIM-0001", 32768, 1 << 20, 1 << 24, 4096};
+  Bytes all;
+  std::array<std::byte, kMaxRequestLen> wire;
+  const auto add = [&](std::size_t len) { all.insert(all.end(), wire.begin(), wire.begin() + static_cast<long>(len)); };
+  add(encode_reply(Status::ok, 1, bytes_of(info), wire));
+  add(encode_request(Command::begin_blob, 2, bytes_of(BeginBlobRequest{1, 70000, 0xE3069283, 0}), wire));
+  add(encode_reply(Status::ok, 3, bytes_of(BlobReply{1, 70000, 4064, 1, 0}), wire));
+  add(encode_request(Command::keep_blob, 4, {}, wire));
+  const EventMessage event = seal_event({0, 3, 2, 1, 0x5E551014, 0x0102030405060708, 5, 0});
+  all.insert(all.end(), bytes_of(event).begin(), bytes_of(event).end());
+  const Bytes data(48, std::byte{0x5A});
+  add(encode_block({4064, data}, wire));
+  check_equal(all, "tests/golden/messages_v1_1.hex");
+}
+
+TEST_CASE("golden: a GET_INFO reply of 1.0 is read, with nothing of what 1.1 added") {
+  const Bytes golden = read_hex("tests/golden/messages_v1.hex");
+  const auto reply = parse_reply(std::span(golden).subspan(8, sizeof(ReplyHeader) + kInfoReplyLen_1_0));
+  REQUIRE(reply);
+  InfoReply info;
+  REQUIRE(read_payload(reply->payload, info));
+  CHECK(info.max_points == 4096);
+  CHECK(std::string(info.serial) == "SIM-0001");
+  CHECK(info.max_mask_runs == 0);
+  CHECK(info.max_blob == 0);
+  CHECK_FALSE(read_payload(reply->payload.first(kInfoReplyLen_1_0 - 1), info));
 }

@@ -58,7 +58,50 @@ const Case kCases[] = {
     {"a field of view of 2 corners", SliceFault::field_of_view, [](auto& s) { s.field_of_view.resize(2); }},
 };
 
+const Case kMaskCases[] = {
+    {"contours beside it", SliceFault::mask,
+     [](auto& s) {
+       s.points = {{1, 1}, {2, 1}, {2, 2}}, s.contours = {{0, 3, 1, 0}};
+     }},
+    {"too many runs", SliceFault::too_many,
+     [](auto& s) {
+       s.mask_runs.assign(kTestLimits.max_mask_runs + 1, {1, 1});
+     }},
+    {"too many pixels", SliceFault::too_many, [](auto& s) { s.slice.mask_grid.height = 0xFFFF; }},
+    {"runs that end early", SliceFault::mask, [](auto& s) { s.mask_runs.pop_back(); }},
+    {"runs that go on", SliceFault::mask,
+     [](auto& s) {
+       s.mask_runs.push_back({1, 0});
+     }},
+    {"a run of no pixels", SliceFault::mask,
+     [](auto& s) {
+       s.mask_runs.insert(s.mask_runs.begin() + 3, {0, 1});
+     }},
+    {"a label over the limit", SliceFault::bad_label, [](auto& s) { s.mask_runs[2].label = 10; }},
+    {"a grid without columns", SliceFault::mask, [](auto& s) { s.slice.mask_grid.width = 0; }},
+    {"pixels of no size", SliceFault::mask, [](auto& s) { s.slice.mask_grid.step_px = 0; }},
+    {"pixels of a negative size", SliceFault::mask, [](auto& s) { s.slice.mask_grid.step_px = -1; }},
+    {"a size that is no number", SliceFault::non_finite, [](auto& s) { s.slice.mask_grid.step_px = kNan; }},
+    {"a corner at infinity", SliceFault::non_finite,
+     [](auto& s) { s.slice.mask_grid.x_px = std::numeric_limits<float>::infinity(); }},
+    {"a field of view of 1 corner", SliceFault::field_of_view, [](auto& s) { s.field_of_view.resize(1); }},
+};
+
 }  // namespace
+
+TEST_CASE("meaning: of a mask, too, each rule has its own fault") {
+  for (const Case& c : kMaskCases) {
+    auto owned = make_masked_slice(3);
+    REQUIRE(check_slice(owned.view(), kTestLimits) == SliceFault::none);
+    c.spoil(owned);
+    CHECK_MESSAGE(check_slice(owned.view(), kTestLimits) == c.fault, c.what);
+  }
+}
+
+TEST_CASE("meaning: who has no masks takes none") {
+  auto owned = make_masked_slice(3);
+  CHECK(check_slice(owned.view(), {4096, 64, 9}) == SliceFault::too_many);
+}
 
 TEST_CASE("meaning: a sound slice has no fault, with and without contours and field of view") {
   for (std::uint32_t seed = 0; seed < 50; ++seed) {

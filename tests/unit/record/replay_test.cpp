@@ -105,6 +105,39 @@ TEST_CASE("replay: a probe that was unplugged goes away again, and is found agai
   CHECK(run_to_end(*again).slices.empty());
 }
 
+TEST_CASE("replay: what the probe told by itself is told again, at its place, in the session of today") {
+  const TemporaryFolder folder;
+  {
+    auto options = loopback_options();
+    options.rate_hz = 100;
+    device_sim::LoopbackDevice loopback(options, numbered_slices(1u << 30));
+    auto recorder = record::Recorder::create(folder.path("a.mcap"));
+    REQUIRE(recorder);
+    auto session = device::Session::open(std::make_unique<record::RecordingTransport>(
+        std::make_unique<device::LoopbackTransport>(loopback.port()), *recorder));
+    REQUIRE(session);
+    Inbox inbox;
+    REQUIRE((*session)->start({}, inbox.callbacks()));
+    REQUIRE(inbox.wait_for_slices(3));
+    loopback.button(6, true);
+    REQUIRE(inbox.wait_for(device::EventKind::button));
+    (*session)->stop();
+    session->reset();
+    REQUIRE((*recorder)->close());
+  }
+  auto replay = record::ReplayTransport::open(folder.path("a.mcap"), 0);
+  REQUIRE(replay);
+  auto session = device::Session::open(std::move(*replay));
+  REQUIRE(session);
+  Inbox inbox;
+  REQUIRE((*session)->start({device::StreamMode::lossless, 16}, inbox.callbacks()));
+  REQUIRE(inbox.wait_for(device::EventKind::end_of_data));
+  (*session)->stop();
+  REQUIRE(inbox.count(device::EventKind::button) == 1);
+  CHECK(inbox.events()[0].button->number == 6);
+  CHECK((*session)->statistics().events_lost == 0);
+}
+
 TEST_CASE("replay: stop() ends it in the middle, however slow it is") {
   const TemporaryFolder folder;
   record_run(folder.path("a.mcap"), 50);

@@ -7,7 +7,11 @@
 
 #include "device_sim/port/functionfs/function_words.h"
 #include "device_sim/port/functionfs/functionfs_device.h"
+#include "device_sim/simulator/memory_blobs.h"
+#include "protocol/block.h"
 #include "protocol/command.h"
+#include "protocol/crc32c.h"
+#include "protocol/event.h"
 #include "protocol/usb.h"
 #include "tests/support/loopback_bench.h"
 #include "tests/usb/functionfs/mock_functionfs.h"
@@ -18,7 +22,7 @@ using device_sim::functionfs::FunctionfsDevice;
 
 namespace {
 
-constexpr std::size_t kDescriptors = 12 + 8 + 2 * (9 + 7), kStrings = 16;
+constexpr std::size_t kFunction = 9 + 3 * 7, kDescriptors = 12 + 8 + 2 * kFunction, kStrings = 16;
 constexpr std::uint8_t kVendorOut = 0x41, kVendorIn = 0xC1;
 const device_sim::usb::UsbIdentity kIdentity{"LOOP-1", device_sim::record_slot_len(kTestLimits)};
 
@@ -58,7 +62,7 @@ void start_stream(MockFunctionfs& mounted, std::uint32_t session) {
 
 }  // namespace
 
-TEST_CASE("functionfs: the function says the interface and the endpoint of the device model, the gadget the rest") {
+TEST_CASE("functionfs: the function says the interface and the endpoints of the device model, the gadget the rest") {
   device_sim::LoopbackDevice loopback(loopback_options(), numbered_slices(1));
   MockFunctionfs mounted;
   const auto function = start(loopback.port(), mounted);
@@ -67,13 +71,15 @@ TEST_CASE("functionfs: the function says the interface and the endpoint of the d
   CHECK(number(said, 4) == kDescriptors);
   CHECK(number(said, 8) == (FUNCTIONFS_HAS_FS_DESC | FUNCTIONFS_HAS_HS_DESC));
   for (const std::size_t speed : {0u, 1u}) {
-    CHECK(number(said, 12 + 4 * speed) == 2);
-    const auto interface = std::span(said).subspan(20 + speed * 16, 16);
+    CHECK(number(said, 12 + 4 * speed) == 4);
+    const auto interface = std::span(said).subspan(20 + speed * kFunction, kFunction);
     CHECK(interface[0] == std::byte{9});
     CHECK(interface[5] == std::byte{protocol::usb::kInterfaceClass});
     CHECK(interface[9] == std::byte{7});
     CHECK(interface[11] == std::byte{device_sim::usb::kStreamIn});
     CHECK((number(interface, 12) >> 8 & 0xFFFF) == (speed == 0 ? 64 : 512));
+    CHECK(interface[18] == std::byte{device_sim::usb::kEventIn});
+    CHECK(interface[25] == std::byte{device_sim::usb::kBlobOut});
   }
   const auto strings = mounted.from_control(kStrings);
   CHECK(number(strings, 0) == FUNCTIONFS_STRINGS_MAGIC);
@@ -128,6 +134,41 @@ TEST_CASE("functionfs: records come whole and in order while the host has config
     mounted.happen(FUNCTIONFS_DISABLE);
     (void)exchange(mounted, protocol::Command::stop, 9, std::span<const std::byte>{}, sizeof(protocol::ReplyHeader));
     mounted.drain();
+  }
+}
+
+TEST_CASE("functionfs: events go out and blocks come in while the host has configured the device") {
+  device_sim::MemoryBlobs store;
+  auto options = loopback_options();
+  options.firmware.blobs = &store;
+  device_sim::LoopbackDevice loopback(options, numbered_slices(1u << 30));
+  MockFunctionfs mounted;
+  const auto function = start(loopback.port(), mounted);
+  (void)mounted.from_control(kDescriptors + kStrings);
+  mounted.happen(FUNCTIONFS_ENABLE);
+
+  const std::vector<std::byte> blob(2500, std::byte{0x5A});
+  const protocol::BeginBlobRequest begin{2, 2500, protocol::crc32c(blob), 0};
+  (void)exchange(mounted, protocol::Command::begin_blob, 1, protocol::bytes_of(begin), sizeof(protocol::ReplyHeader));
+  std::array<std::byte, protocol::kMaxRequestLen> block{};
+  std::uint32_t received = 0;
+  for (const std::uint32_t from : {0u, 1500u}) {
+    const auto data = std::span(blob).subspan(from, from == 0 ? 1500 : 1000);
+    mounted.send_block(std::span(block).first(protocol::encode_block({from, data}, block)));
+    while (received != from + data.size()) {  // blocks of a pipe have no ends: one after the other
+      const auto reply = exchange(mounted, protocol::Command::get_blob, 2, std::span<const std::byte>{},
+                                  sizeof(protocol::ReplyHeader) + sizeof(protocol::BlobReply));
+      received = number(reply, sizeof(protocol::ReplyHeader) + offsetof(protocol::BlobReply, received));
+    }
+  }
+
+  start_stream(mounted, 3);
+  for (const std::uint16_t button : {std::uint16_t{4}, std::uint16_t{5}}) {
+    loopback.button(button, true);
+    const auto event = protocol::parse_event(mounted.event());
+    REQUIRE(event);
+    CHECK(event->session_id == 3);
+    CHECK(event->number == button);
   }
 }
 

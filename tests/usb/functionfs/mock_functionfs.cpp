@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "protocol/event.h"
 #include "protocol/record.h"
 
 namespace sonoloft::test {
@@ -44,14 +45,20 @@ MockFunctionfs::MockFunctionfs() : kernel_(posix_openpt(O_RDWR | O_NOCTTY | O_CL
   cfmakeraw(&raw);
   REQUIRE(tcsetattr(terminal_, TCSANOW, &raw) == 0);
   std::filesystem::create_symlink(ptsname(kernel_), folder_.path("ep0"));
-  const auto stream = folder_.path("ep1");
-  REQUIRE(mkfifo(stream.c_str(), 0600) == 0);
-  host_ = open(stream.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  REQUIRE(host_ >= 0);
+  const auto pipe = [&](const char* name, int mode) {
+    const auto path = folder_.path(name);
+    REQUIRE(mkfifo(path.c_str(), 0600) == 0);
+    const int end = open(path.c_str(), mode | O_NONBLOCK | O_CLOEXEC);
+    REQUIRE(end >= 0);
+    return end;
+  };
+  host_ = pipe("ep1", O_RDONLY);
+  events_ = pipe("ep2", O_RDONLY);
+  blobs_ = pipe("ep3", O_RDWR);  // its other end is not open yet
 }
 
 MockFunctionfs::~MockFunctionfs() {
-  for (const int file : {kernel_, terminal_, host_}) close(file);
+  for (const int file : {kernel_, terminal_, host_, events_, blobs_}) close(file);
 }
 
 std::vector<std::byte> MockFunctionfs::from_control(std::size_t size) {
@@ -66,6 +73,14 @@ std::vector<std::byte> MockFunctionfs::record() {
   const auto rest = read_all(host_, header.total_len - bytes.size());
   bytes.insert(bytes.end(), rest.begin(), rest.end());
   return bytes;
+}
+
+std::vector<std::byte> MockFunctionfs::event() {
+  return read_all(events_, protocol::kEventLen);
+}
+
+void MockFunctionfs::send_block(std::span<const std::byte> block) {
+  REQUIRE(::write(blobs_, block.data(), block.size()) == static_cast<ssize_t>(block.size()));
 }
 
 bool MockFunctionfs::silent() const {

@@ -12,8 +12,8 @@
 
 namespace sonoloft::test {
 
-/// A folder that looks like a mounted functionfs: its ep0 is a terminal, whose other end plays the kernel; ep1 is a
-/// pipe. A zero-length read or write, which stalls, shows by what does not come.
+/// A folder that looks like a mounted functionfs: its ep0 is a terminal, whose other end plays the kernel; the others
+/// are pipes. A zero-length read or write, which stalls, shows by what does not come.
 class MockFunctionfs {
  public:
   MockFunctionfs();
@@ -29,6 +29,10 @@ class MockFunctionfs {
   [[nodiscard]] std::vector<std::byte> record();
   [[nodiscard]] bool silent() const;  ///< on ep1, for now
   void drain();                       ///< what is in ep1
+  /// An event, taken from ep2.
+  [[nodiscard]] std::vector<std::byte> event();
+  /// A transfer from the host, on ep3.
+  void send_block(std::span<const std::byte> block);
 
   void happen(usb_functionfs_event_type type);
   /// A control transfer begins; to the device with its data.
@@ -39,7 +43,7 @@ class MockFunctionfs {
   void send(const usb_functionfs_event& event, std::span<const std::byte> data);
 
   TemporaryFolder folder_;
-  int kernel_ = -1, terminal_ = -1, host_ = -1;
+  int kernel_ = -1, terminal_ = -1, host_ = -1, events_ = -1, blobs_ = -1;
 };
 
 }  // namespace sonoloft::test

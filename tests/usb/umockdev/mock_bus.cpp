@@ -270,6 +270,7 @@ MockProbe::Answer MockProbe::submit(usbdevfs_urb* urb) {
     std::memcpy(&to_device.setup, bytes, sizeof(SetupPacket));
     if (!to_device.setup.to_host()) to_device.data.assign(bytes + sizeof(SetupPacket), bytes + size);
   }
+  if (urb->type == USBDEVFS_URB_TYPE_BULK && (urb->endpoint & 0x80) == 0) to_device.data.assign(bytes, bytes + size);
   {
     const std::lock_guard lock(mutex_);
     if (gone_) return {-1, ENODEV};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "device_sim/simulator/memory_blobs.h"
 #include "host/device/session.h"
 #include "host/device/usb/usb_devices.h"
 #include "host/device/usb/usb_transport.h"
@@ -20,7 +21,7 @@ inline constexpr device::StreamOptions kLossless{device::StreamMode::lossless, 1
 class UsbBench {
  public:
   explicit UsbBench(std::uint32_t slices, const char* serial = "USB-1", std::optional<double> rate_hz = {})
-      : serial_(serial), loopback_(options(serial, rate_hz), numbered_slices(slices)) {}
+      : serial_(serial), loopback_(options(serial, rate_hz, &blobs_), numbered_slices(slices)) {}
 
   /// @pre no other probe of the bench's had this address
   void plug_into(MockBus& bus, int address = 1) {
@@ -30,17 +31,21 @@ class UsbBench {
   }
   [[nodiscard]] MockProbe& probe() { return *probes_.back(); }
   [[nodiscard]] device_sim::LoopbackDevice& loopback() { return loopback_; }
+  [[nodiscard]] const device_sim::MemoryBlobs& blobs() const { return blobs_; }
 
  private:
-  static device_sim::LoopbackOptions options(const char* serial, std::optional<double> rate_hz) {
+  static device_sim::LoopbackOptions options(const char* serial, std::optional<double> rate_hz,
+                                             device_sim::BlobStore* blobs) {
     auto options = loopback_options();
     options.firmware.serial = {};
     std::copy_n(serial, std::char_traits<char>::length(serial), options.firmware.serial.begin());
+    options.firmware.blobs = blobs;
     options.rate_hz = rate_hz;
     return options;
   }
 
   std::string serial_;
+  device_sim::MemoryBlobs blobs_;
   device_sim::LoopbackDevice loopback_;
   std::vector<std::unique_ptr<MockProbe>> probes_;  ///< all but the last are unplugged
 };

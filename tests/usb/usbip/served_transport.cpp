@@ -24,6 +24,9 @@ class ServedTransport final : public device::Transport {
     return host_.start_stream(sink, max_record);
   }
   void stop_stream() override { host_.stop_stream(); }
+  Result<void> send_block(std::span<const std::byte> block, std::chrono::milliseconds timeout) override {
+    return host_.send_block(block, timeout);
+  }
 
  private:
   std::unique_ptr<UsbipServer> server_;

@@ -113,6 +113,10 @@ std::uint32_t UsbipClient::submit(std::uint32_t endpoint, std::uint32_t length) 
   return command(kSubmit, kIn, endpoint, 0, length, {}, {});
 }
 
+std::uint32_t UsbipClient::submit_out(std::uint32_t endpoint, std::span<const std::byte> data) {
+  return command(kSubmit, kOut, endpoint, 0, static_cast<std::uint32_t>(data.size()), {}, data);
+}
+
 std::uint32_t UsbipClient::submit_control(std::uint8_t request_type, std::uint8_t request, std::uint16_t value,
                                           std::uint16_t length, std::span<const std::byte> data, std::uint16_t index) {
   std::array<std::byte, 8> setup{};

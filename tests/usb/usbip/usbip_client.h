@@ -41,6 +41,7 @@ class UsbipClient {
   /// Transfers to endpoint 0 by their setup, else IN.
   /// @return the sequence number
   std::uint32_t submit(std::uint32_t endpoint, std::uint32_t length);
+  std::uint32_t submit_out(std::uint32_t endpoint, std::span<const std::byte> data);
   std::uint32_t submit_control(std::uint8_t request_type, std::uint8_t request, std::uint16_t value,
                                std::uint16_t length, std::span<const std::byte> data = {}, std::uint16_t index = 0);
   std::uint32_t unlink(std::uint32_t seqnum);

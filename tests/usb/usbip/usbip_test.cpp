@@ -50,14 +50,19 @@ class TroubledPort final : public protocol::Port {
   }
   protocol::PortTransfer read(std::span<std::byte>, std::uint32_t) override {
     if (halted_) return {protocol::PortStatus::halted, 0};
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    return {protocol::PortStatus::timed_out, 0};
+    return wait();
   }
+  protocol::PortTransfer read_event(std::span<std::byte>, std::uint32_t) override { return wait(); }
+  protocol::PortTransfer write_block(std::span<const std::byte>) override { return wait(); }
   void cancel_reads() override {}
   void allow_reads() override {}
   void clear_halt() override { halted_ = false; }
 
  private:
+  static protocol::PortTransfer wait() {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return {protocol::PortStatus::timed_out, 0};
+  }
   std::atomic<bool> halted_ = true;
 };
 

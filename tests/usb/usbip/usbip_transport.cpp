@@ -12,7 +12,8 @@
 namespace sonoloft::test {
 namespace {
 
-constexpr std::size_t kTransfers = 4;
+constexpr std::size_t kTransfers = 4, kEventRoom = 64;
+constexpr std::uint32_t kStream = 1, kEvents = 2, kBlobs = 1;
 constexpr std::uint8_t kVendorOut = 0x41, kVendorIn = 0xC1;
 constexpr std::uint8_t kToEndpoint = 0x02, kClearFeature = 1;
 constexpr std::uint16_t kEndpointHalt = 0, kStreamIn = 0x81;
@@ -97,6 +98,7 @@ Result<void> UsbipTransport::start_stream(device::TransferSink& sink, std::size_
   stopping_ = false;
   clear_halt();  // throws away what was left of a record, too
   stream_thread_ = std::jthread([this, &sink] { pass_on(sink); });
+  events_thread_ = std::jthread([this, &sink] { pass_on_events(sink); });
   return {};
 }
 
@@ -108,6 +110,13 @@ void UsbipTransport::stop_stream() {
     changed_.notify_all();
   }
   stream_thread_.join();
+  events_thread_.join();
+}
+
+Result<void> UsbipTransport::send_block(std::span<const std::byte> block, std::chrono::milliseconds timeout) {
+  const auto sent = finish(submit([&] { return client_.submit_out(kBlobs, block); }), timeout);
+  if (!sent) return tl::unexpected<Error>(sent.error());
+  return {};
 }
 
 // ---- the stream's thread
@@ -135,9 +144,22 @@ void UsbipTransport::pass_on(device::TransferSink& sink) {
   sink.on_gone();
 }
 
+void UsbipTransport::pass_on_events(device::TransferSink& sink) {
+  Lock lock(mutex_);
+  while (!stopping_ && !gone_) {
+    const auto asked = submit([&] { return client_.submit(kEvents, kEventRoom); });
+    changed_.wait(lock, [&] { return stopping_ || gone_ || replies_.contains(asked); });
+    const auto reply = take_back(lock, asked);
+    if (!reply || reply->status != 0) continue;
+    lock.unlock();
+    sink.on_event(reply->data);
+    lock.lock();
+  }
+}
+
 void UsbipTransport::submit_transfers() {
   const auto size = static_cast<std::uint32_t>(transfer_size_);
-  while (in_flight_.size() < kTransfers) in_flight_.push_back(submit([&] { return client_.submit(1, size); }));
+  while (in_flight_.size() < kTransfers) in_flight_.push_back(submit([&] { return client_.submit(kStream, size); }));
 }
 
 void UsbipTransport::hand_over(Lock& lock, const Reply& reply, device::TransferSink& sink) {

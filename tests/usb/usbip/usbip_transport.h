@@ -20,6 +20,7 @@ class UsbipTransport final : public device::Transport {
                               std::chrono::milliseconds timeout) override;
   Result<void> start_stream(device::TransferSink& sink, std::size_t max_record) override;
   void stop_stream() override;
+  Result<void> send_block(std::span<const std::byte> block, std::chrono::milliseconds timeout) override;
 
   /// Closes the connection, as pulling the plug does.
   void unplug() { client_.shut_down(); }
@@ -38,6 +39,7 @@ class UsbipTransport final : public device::Transport {
   std::uint32_t submit(const Submit& submit);
 
   void pass_on(device::TransferSink& sink);
+  void pass_on_events(device::TransferSink& sink);
   void submit_transfers();
   void hand_over(Lock& lock, const Reply& reply, device::TransferSink& sink);
   void take_all_back(Lock& lock, device::TransferSink& sink);
@@ -51,7 +53,7 @@ class UsbipTransport final : public device::Transport {
   std::deque<std::uint32_t> in_flight_;  ///< of the stream, in order
   std::size_t transfer_size_ = 0;
   bool gone_ = false, stopping_ = false;
-  std::jthread stream_thread_;
+  std::jthread stream_thread_, events_thread_;
   std::jthread reader_;
 };
 

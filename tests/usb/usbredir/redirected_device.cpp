@@ -79,11 +79,39 @@ void RedirectedDevice::set_callbacks() {
   };
   p.control_packet_func = [](void* self, std::uint64_t id, usb_redir_control_packet_header* header, std::uint8_t* data,
                              int len) { kKeep(self, Kind::control, id, header->status, header->length, data, len); };
+  p.interrupt_receiving_status_func = [](void* self, std::uint64_t id,
+                                         usb_redir_interrupt_receiving_status_header* header) {
+    self_of(self).packets_.push_back({Kind::receiving, id, header->status});
+  };
+  p.interrupt_packet_func = [](void* self, std::uint64_t id, usb_redir_interrupt_packet_header* header,
+                               std::uint8_t* data, int len) {
+    kKeep(self, Kind::interrupt, id, header->status, header->length, data, len);
+  };
   p.bulk_packet_func = [](void* self, std::uint64_t id, usb_redir_bulk_packet_header* header, std::uint8_t* data,
                           int len) {
     const std::uint32_t length = header->length_high * 0x10000u + header->length;
     kKeep(self, Kind::bulk, id, header->status, length, data, len);
   };
+}
+
+void RedirectedDevice::submit_bulk_out(std::uint64_t id, std::uint8_t endpoint, std::span<const std::byte> data) {
+  usb_redir_bulk_packet_header header{endpoint, 0, static_cast<std::uint16_t>(data.size()), 0, 0};
+  std::vector<std::byte> sent(data.begin(), data.end());
+  usbredirparser_send_bulk_packet(parser_.get(), id, &header, reinterpret_cast<std::uint8_t*>(sent.data()),
+                                  static_cast<int>(sent.size()));
+  flush();
+}
+
+void RedirectedDevice::start_receiving(std::uint64_t id, std::uint8_t endpoint) {
+  usb_redir_start_interrupt_receiving_header header{endpoint};
+  usbredirparser_send_start_interrupt_receiving(parser_.get(), id, &header);
+  flush();
+}
+
+void RedirectedDevice::stop_receiving(std::uint64_t id, std::uint8_t endpoint) {
+  usb_redir_stop_interrupt_receiving_header header{endpoint};
+  usbredirparser_send_stop_interrupt_receiving(parser_.get(), id, &header);
+  flush();
 }
 
 std::optional<RedirectedDevice::Packet> RedirectedDevice::next() {

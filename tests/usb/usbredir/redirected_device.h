@@ -16,7 +16,7 @@ class RedirectedDevice {
  public:
   /// What the server sent: `status` of a transfer, `number` of a configuration.
   struct Packet {
-    enum class Kind { connect, disconnect, control, bulk, configuration, alt_setting } kind;
+    enum class Kind { connect, disconnect, control, bulk, configuration, alt_setting, receiving, interrupt } kind;
     std::uint64_t id = 0;
     std::uint8_t status = 0;
     std::uint32_t length = 0;
@@ -36,6 +36,9 @@ class RedirectedDevice {
   void submit_control(std::uint64_t id, std::uint8_t request_type, std::uint8_t request, std::uint16_t value,
                       std::uint16_t length, std::span<const std::byte> data = {});
   void submit_bulk(std::uint64_t id, std::uint8_t endpoint, std::uint32_t length);
+  void submit_bulk_out(std::uint64_t id, std::uint8_t endpoint, std::span<const std::byte> data);
+  void start_receiving(std::uint64_t id, std::uint8_t endpoint);
+  void stop_receiving(std::uint64_t id, std::uint8_t endpoint);
   void cancel(std::uint64_t id);
   void set_configuration(std::uint64_t id, std::uint8_t number);
   void get_alt_setting(std::uint64_t id);

@@ -6,7 +6,11 @@
 #include <random>
 
 #include "device_sim/port/usbredir/usbredir_server.h"
+#include "device_sim/simulator/memory_blobs.h"
+#include "protocol/block.h"
 #include "protocol/command.h"
+#include "protocol/crc32c.h"
+#include "protocol/event.h"
 #include "protocol/usb.h"
 #include "tests/support/hanging_port.h"
 #include "tests/support/loopback_bench.h"
@@ -69,7 +73,8 @@ TEST_CASE("usbredir: a machine that connects is told what the descriptors say") 
   CHECK(device.interface.interface_class[0] == protocol::usb::kInterfaceClass);
   CHECK(+device.endpoints.type[16 + 1] == usb_redir_type_bulk);
   CHECK(+device.endpoints.max_packet_size[16 + 1] == 512);
-  CHECK(device.endpoints.type[1] == usb_redir_type_invalid);
+  CHECK(+device.endpoints.type[1] == usb_redir_type_bulk);  // for blobs
+  CHECK(+device.endpoints.type[2] == usb_redir_type_invalid);
 
   device.set_configuration(5, 1);
   const auto configured = device.next();
@@ -233,4 +238,72 @@ TEST_CASE("usbredir: a TCP port that is taken is named") {
   const auto second = UsbredirServer::start(other, kIdentity, server->tcp_port());
   CHECK_FALSE(second.value);
   CHECK(second.error.find(std::to_string(server->tcp_port())) != std::string::npos);
+}
+
+TEST_CASE("usbredir: events come while the machine receives them, each once, and not before or after") {
+  device_sim::LoopbackDevice loopback(loopback_options(), numbered_slices(0));
+  const auto server = serve(loopback.port());
+  RedirectedDevice device(server->tcp_port());
+  check_connected(device);
+  CHECK(+device.endpoints.type[0x12] == usb_redir_type_interrupt);
+  CHECK(+device.endpoints.max_packet_size[0x12] == 64);
+  start_stream(device);
+  device.start_receiving(5, device_sim::usb::kEventIn);
+  CHECK(device.next()->kind == Kind::receiving);
+  for (std::uint16_t i = 0; i < 20; ++i) {
+    loopback.button(i, true);
+    std::optional<protocol::EventMessage> event;
+    do {  // the end of the data is among them
+      const auto packet = device.next();
+      REQUIRE(packet);
+      REQUIRE(packet->kind == Kind::interrupt);
+      event = protocol::parse_event(packet->data);
+      REQUIRE(event);
+    } while (event->kind != static_cast<std::uint16_t>(protocol::EventKind::button));
+    CHECK(event->number == i);
+  }
+  device.stop_receiving(6, device_sim::usb::kEventIn);
+  const auto stopped = device.next();
+  CHECK(stopped->kind == Kind::receiving);
+  CHECK(stopped->status == usb_redir_success);
+  loopback.button(99, true);
+  device.start_receiving(7, 0x83);
+  CHECK(device.next()->status == usb_redir_inval);
+  CHECK(device.silent());
+  device.start_receiving(8, device_sim::usb::kEventIn);
+  CHECK(device.next()->kind == Kind::receiving);
+  const auto late = device.next();
+  REQUIRE(late->kind == Kind::interrupt);
+  CHECK(protocol::parse_event(late->data)->number == 99);
+}
+
+TEST_CASE("usbredir: a blob's blocks reach the firmware") {
+  device_sim::MemoryBlobs store;
+  auto options = loopback_options();
+  options.firmware.blobs = &store;
+  device_sim::LoopbackDevice loopback(options, numbered_slices(0));
+  const auto server = serve(loopback.port());
+  RedirectedDevice device(server->tcp_port());
+  check_connected(device);
+  const std::vector<std::byte> blob(3000, std::byte{0x5A});
+  const protocol::BeginBlobRequest begin{1, 3000, protocol::crc32c(blob), 0};
+  std::array<std::byte, protocol::kMaxRequestLen> bytes{};
+  auto len = protocol::encode_request(protocol::Command::begin_blob, 1, protocol::bytes_of(begin), bytes);
+  device.submit_control(1, 0x41, 1, 0, static_cast<std::uint16_t>(len), std::span(bytes).first(len));
+  REQUIRE(device.next()->status == usb_redir_success);
+  len = protocol::encode_block({0, blob}, bytes);
+  device.submit_bulk_out(2, device_sim::usb::kBlobOut, std::span(bytes).first(len));
+  const auto taken = device.next();
+  CHECK(taken->status == usb_redir_success);
+  CHECK(taken->length == len);
+  len = protocol::encode_request(protocol::Command::get_blob, 3, {}, bytes);
+  device.submit_control(3, 0x41, 1, 0, static_cast<std::uint16_t>(len), std::span(bytes).first(len));
+  REQUIRE(device.next()->status == usb_redir_success);
+  device.submit_control(4, 0xC1, 2, 0, 64);
+  const auto reply = device.next();
+  protocol::BlobReply state;
+  REQUIRE(
+      protocol::read_payload(std::span<const std::byte>(reply->data).subspan(sizeof(protocol::ReplyHeader)), state));
+  CHECK(state.received == 3000);
+  CHECK(state.state == static_cast<std::uint16_t>(protocol::BlobState::complete));
 }

@@ -51,7 +51,7 @@ std::optional<double> bottom_line(std::span<const std::uint8_t> image, std::uint
 
 }  // namespace
 
-std::vector<std::optional<double>> bottom_lines(const MetaImage& images) {
+std::vector<std::optional<double>> bottom_lines(const ImageStack& images) {
   const auto [width, height, count] = images.dims;
   const std::size_t size = std::size_t{width} * height;
   std::vector<std::optional<double>> lines(count);

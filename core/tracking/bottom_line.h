@@ -2,7 +2,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/tracking/meta_image.h"
+#include "core/io/sequences/image_stack.h"
 
 namespace sonoloft {
 
@@ -10,6 +10,6 @@ namespace sonoloft {
 /// median over the middle columns, so that speckle and the line's slant do not move it; nothing for an image in which
 /// the columns do not agree on a line.
 /// @cost O(pixels)
-[[nodiscard]] std::vector<std::optional<double>> bottom_lines(const MetaImage& images);
+[[nodiscard]] std::vector<std::optional<double>> bottom_lines(const ImageStack& images);
 
 }  // namespace sonoloft

@@ -1,5 +1,5 @@
-// The reader of tracked sequences (.igs.mha).
-#include "core/tracking/tracked_sequence.h"
+// The reader of tracked sequences (.igs.mha, .igs.nrrd).
+#include "core/io/sequences/tracked_sequence.h"
 #include "tests/fuzz/input.h"
 
 using namespace sonoloft;

@@ -1,12 +1,10 @@
 #pragma once
 // Meshes in and out of files:  core/mesh -> [IO] -> file
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <span>
 
+#include "core/io/labels/label_table.h"
 #include "core/mesh/mesh.h"
-#include "core/slice/label.h"
 #include "core/slice/result.h"
 
 namespace sonoloft {
@@ -21,21 +19,28 @@ struct VertexProperties {
   std::span<const float> measured, distance_mm;
 };
 
-/// Binary little-endian PLY: vertex float x y z, and float measured distance_mm where given; face list uchar int
-/// vertex_indices, ushort label_front label_back, uchar red green blue (the palette's colour of the label behind, or of
-/// the one in front where outside is behind).
-[[nodiscard]] Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path,
-                                     const VertexProperties& properties = {});
+// Those that take `labels` write what the mesh's labels are called and how they look. A triangle has the colour of the
+// label behind it, or of the one in front where outside is behind.
 
-/// Wavefront OBJ, one group `front_F_back_B` for each pair of labels, with all digits of the floats.
-[[nodiscard]] Result<void> write_obj(const IndexedMesh& mesh, const std::filesystem::path& path);
+/// Binary little-endian PLY: a comment `label 7 205 98 80 liver` for every label; vertex float x y z, and float
+/// measured distance_mm where given; face list uchar int vertex_indices, ushort label_front label_back, uchar red green
+/// blue.
+[[nodiscard]] Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path,
+                                     const LabelTable& labels = {}, const VertexProperties& properties = {});
+
+/// Wavefront OBJ, one group `front_F_back_B` for each pair of labels, with all digits of the floats; and beside it,
+/// with the ending .mtl, a material for every label, by its name with `_` for blanks.
+[[nodiscard]] Result<void> write_obj(const IndexedMesh& mesh, const std::filesystem::path& path,
+                                     const LabelTable& labels = {});
 
 /// Binary STL; the format has no labels.
 [[nodiscard]] Result<void> write_stl(const IndexedMesh& mesh, const std::filesystem::path& path);
 
 /// VTK XML PolyData, appended base64. Cell data `BoundaryLabels`, 2 components as vtkSurfaceNets3D has them: the normal
-/// points from the first to the second and outside is never the first (such triangles are turned around).
-[[nodiscard]] Result<void> write_vtp(const IndexedMesh& mesh, const std::filesystem::path& path);
+/// points from the first to the second and outside is never the first (such triangles are turned around). Field data
+/// `LabelValues`, `LabelNames` and `LabelColors` (red, green, blue), a tuple for every label.
+[[nodiscard]] Result<void> write_vtp(const IndexedMesh& mesh, const std::filesystem::path& path,
+                                     const LabelTable& labels = {});
 
 /// Reads a mesh by the file's ending: .ply (ascii, binary of either byte order), .stl (ascii, binary), .obj, .off.
 /// Polygons are cut into fans, triangles that use a vertex twice are dropped, equal positions of an STL are joined.
@@ -43,9 +48,5 @@ struct VertexProperties {
 /// @error file_not_found, io_failed, unsupported_format, parse_failed (with the line in text), non_finite, too_large
 /// @cost  O(bytes); allocates nothing on the word of a declared count
 [[nodiscard]] Result<IndexedMesh> read_mesh(const std::filesystem::path& path);
-
-/// The colour of a label wherever one is shown: far apart for neighbouring numbers; the same for ever. Red, green,
-/// blue.
-[[nodiscard]] std::array<std::uint8_t, 3> label_colour(Label label);
 
 }  // namespace sonoloft

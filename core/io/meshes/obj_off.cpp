@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "core/io/byte_file.h"
 #include "core/io/meshes/mesh_builder.h"
 #include "core/io/meshes/mesh_files.h"
+#include "core/io/meshes/mesh_labels.h"
 #include "core/io/meshes/mesh_parsers.h"
 #include "core/io/text_scanner.h"
 
@@ -73,6 +75,32 @@ void append_number(std::string& out, float value) {
   out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
 }
 
+/// What the labels' materials are called: by the labels' names, and their numbers where two have one name.
+std::map<Label, std::string> material_names(const IndexedMesh& mesh, const LabelTable& labels) {
+  std::map<Label, std::string> names;
+  std::set<std::string> taken;
+  for (const Label label : materials_of(mesh)) {
+    std::string name = labels.name(label);
+    std::replace(name.begin(), name.end(), ' ', '_');
+    while (!taken.insert(name).second) name += '_' + std::to_string(label);
+    names.emplace(label, std::move(name));
+  }
+  return names;
+}
+
+std::string material_file(const std::map<Label, std::string>& names, const LabelTable& labels) {
+  std::string out = "# SonoLoft\n";
+  for (const auto& [label, name] : names) {
+    out += "newmtl " + name + "\nKd";
+    for (const std::uint8_t channel : labels.colour(label)) {
+      out += ' ';
+      append_number(out, static_cast<float>(channel) / 255);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<IndexedMesh> parse_obj(std::string_view text, const std::string& name) {
@@ -126,8 +154,10 @@ Result<IndexedMesh> parse_off(std::string_view text, const std::string& name) {
   return std::move(mesh).finish(name);
 }
 
-Result<void> write_obj(const IndexedMesh& mesh, const std::filesystem::path& path) {
-  std::string out = "# SonoLoft; millimetres\n# SPACE=LPS\n";
+Result<void> write_obj(const IndexedMesh& mesh, const std::filesystem::path& path, const LabelTable& labels) {
+  const auto materials = material_names(mesh, labels);
+  const std::filesystem::path material_path = std::filesystem::path(path).replace_extension(".mtl");
+  std::string out = "# SonoLoft; millimetres\n# SPACE=LPS\nmtllib " + material_path.filename().string() + '\n';
   for (const Eigen::Vector3f& p : mesh.positions) {
     out += 'v';
     for (const float c : {p.x(), p.y(), p.z()}) {
@@ -139,14 +169,17 @@ Result<void> write_obj(const IndexedMesh& mesh, const std::filesystem::path& pat
   std::map<std::pair<Label, Label>, std::vector<std::size_t>> groups;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     groups[{mesh.label_front[t], mesh.label_back[t]}].push_back(t);
-  for (const auto& [labels, triangles] : groups) {
-    out += "g front_" + std::to_string(labels.first) + "_back_" + std::to_string(labels.second) + '\n';
+  for (const auto& [sides, triangles] : groups) {
+    const auto [front, back] = sides;
+    out += "g front_" + std::to_string(front) + "_back_" + std::to_string(back) + "\nusemtl " +
+           materials.at(shown_label(front, back)) + '\n';
     for (const std::size_t t : triangles) {
       out += 'f';
       for (const std::uint32_t corner : mesh.triangles[t]) out += ' ' + std::to_string(std::uint64_t{corner} + 1);
       out += '\n';
     }
   }
+  if (auto written = write_bytes(material_path, material_file(materials, labels)); !written) return written;
   return write_bytes(path, out);
 }
 

@@ -5,6 +5,7 @@
 #include "core/io/byte_order.h"
 #include "core/io/meshes/mesh_builder.h"
 #include "core/io/meshes/mesh_files.h"
+#include "core/io/meshes/mesh_labels.h"
 #include "core/io/meshes/mesh_parsers.h"
 #include "core/io/text_scanner.h"
 
@@ -187,16 +188,21 @@ Result<IndexedMesh> parse_ply(std::string_view bytes, const std::string& name) {
   return std::move(mesh).finish(name);
 }
 
-Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path, const VertexProperties& properties) {
-  std::string out =
-      "ply\nformat binary_little_endian 1.0\ncomment SPACE=LPS\ncomment millimetres\n"
-      "element vertex " +
-      std::to_string(mesh.positions.size()) + "\nproperty float x\nproperty float y\nproperty float z\n" +
-      (properties.measured.empty() ? "" : "property float measured\n") +
-      (properties.distance_mm.empty() ? "" : "property float distance_mm\n") + "element face " +
-      std::to_string(mesh.triangles.size()) +
-      "\nproperty list uchar int vertex_indices\nproperty ushort label_front\nproperty ushort label_back\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path, const LabelTable& labels,
+                       const VertexProperties& properties) {
+  std::string out = "ply\nformat binary_little_endian 1.0\ncomment SPACE=LPS\ncomment millimetres\n";
+  for (const Label label : materials_of(mesh)) {
+    out += "comment label " + std::to_string(label) + ' ';
+    for (const std::uint8_t channel : labels.colour(label)) out += std::to_string(channel) + ' ';
+    out += labels.name(label) + '\n';
+  }
+  out += "element vertex " + std::to_string(mesh.positions.size()) +
+         "\nproperty float x\nproperty float y\nproperty float z\n" +
+         (properties.measured.empty() ? "" : "property float measured\n") +
+         (properties.distance_mm.empty() ? "" : "property float distance_mm\n") + "element face " +
+         std::to_string(mesh.triangles.size()) +
+         "\nproperty list uchar int vertex_indices\nproperty ushort label_front\nproperty ushort label_back\n"
+         "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
   out.reserve(out.size() + 12 * mesh.positions.size() + 20 * mesh.triangles.size());
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     for (const float c : mesh.positions[v]) append(out, c);
@@ -208,8 +214,8 @@ Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& pat
     for (const std::uint32_t corner : mesh.triangles[t]) append(out, corner);
     append(out, mesh.label_front[t]);
     append(out, mesh.label_back[t]);
-    const Label shown = mesh.label_back[t] != kOutside ? mesh.label_back[t] : mesh.label_front[t];
-    for (const std::uint8_t channel : label_colour(shown)) append(out, channel);
+    for (const std::uint8_t channel : labels.colour(shown_label(mesh.label_front[t], mesh.label_back[t])))
+      append(out, channel);
   }
   return write_bytes(path, out);
 }

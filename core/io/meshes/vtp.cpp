@@ -1,8 +1,12 @@
+#include <array>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "core/io/byte_file.h"
 #include "core/io/byte_order.h"
 #include "core/io/meshes/mesh_files.h"
+#include "core/io/meshes/mesh_labels.h"
 
 namespace sonoloft {
 namespace {
@@ -63,20 +67,43 @@ PolyData poly_data(const IndexedMesh& mesh) {
   return out;
 }
 
+/// A string array holds the codes of its characters and a 0 behind each string.
+std::string string_array(const std::string& name, std::span<const std::string> strings) {
+  std::string tag = "<DataArray type=\"String\" Name=\"" + name + "\" NumberOfTuples=\"" +
+                    std::to_string(strings.size()) + "\" format=\"ascii\">";
+  for (const std::string& string : strings) {
+    for (const char letter : string) tag += std::to_string(static_cast<unsigned char>(letter)) + ' ';
+    tag += "0 ";
+  }
+  return tag + "</DataArray>\n";
+}
+
+std::string field_data(const IndexedMesh& mesh, const LabelTable& labels, AppendedArrays& arrays) {
+  std::vector<std::string> names;
+  std::string values, colours;
+  for (const Label label : materials_of(mesh)) {
+    names.push_back(labels.name(label));
+    append(values, label);
+    for (const std::uint8_t channel : labels.colour(label)) append(colours, channel);
+  }
+  const std::string tuples = "NumberOfTuples=\"" + std::to_string(names.size()) + '"';
+  return "<FieldData>\n" + string_array("SPACE", std::array<std::string, 1>{"LPS"}) +
+         arrays.add("type=\"UInt16\" Name=\"LabelValues\" " + tuples, values) + string_array("LabelNames", names) +
+         arrays.add("type=\"UInt8\" Name=\"LabelColors\" NumberOfComponents=\"3\" " + tuples, colours) +
+         "</FieldData>\n";
+}
+
 }  // namespace
 
-Result<void> write_vtp(const IndexedMesh& mesh, const std::filesystem::path& path) {
+Result<void> write_vtp(const IndexedMesh& mesh, const std::filesystem::path& path, const LabelTable& labels) {
   const PolyData data = poly_data(mesh);
   AppendedArrays arrays;
   std::string out =
       "<?xml version=\"1.0\"?>\n"
-      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n"
-      // A string array holds the codes of its characters and a closing 0.
-      "<FieldData><DataArray type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">76 80 83 "
-      "0</DataArray>"
-      "</FieldData>\n"
-      "<Piece NumberOfPoints=\"" +
-      std::to_string(mesh.positions.size()) + "\" NumberOfPolys=\"" + std::to_string(mesh.triangles.size()) + "\">\n";
+      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n";
+  out += field_data(mesh, labels, arrays);
+  out += "<Piece NumberOfPoints=\"" + std::to_string(mesh.positions.size()) + "\" NumberOfPolys=\"" +
+         std::to_string(mesh.triangles.size()) + "\">\n";
   out += "<CellData>\n" + arrays.add("type=\"UInt16\" Name=\"BoundaryLabels\" NumberOfComponents=\"2\"", data.labels) +
          "</CellData>\n";
   out += "<Points>\n" + arrays.add("type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\"", data.points) +

@@ -2,6 +2,7 @@
 // Label volumes into files:  label volume -> [IO] -> .seg.nrrd, .nii, .nii.gz
 #include <filesystem>
 
+#include "core/io/labels/label_table.h"
 #include "core/io/volumes/label_volume.h"
 #include "core/slice/result.h"
 
@@ -13,14 +14,14 @@ namespace sonoloft {
 // @error io_failed: the file is incomplete
 // @cost  O(#voxels), one buffer of 1 MiB; packing takes most of the time
 
-/// A segmentation of 3D Slicer: NRRD, packed, a segment for every label but outside with its name (`label 7`), its
-/// value, its colour (label_colour()) and the voxels that it reaches over. Source: teem's definition of NRRD; Slicer's
-/// "Segmentations" file format.
-[[nodiscard]] Result<void> write_seg_nrrd(const LabelVolume& volume, const std::filesystem::path& path);
+/// A segmentation of 3D Slicer: NRRD, packed, a segment for every label but outside with its name, its value, its
+/// colour and the voxels that it reaches over. Source: teem's definition of NRRD; Slicer's "Segmentations" file format.
+[[nodiscard]] Result<void> write_seg_nrrd(const LabelVolume& volume, const std::filesystem::path& path,
+                                          const LabelTable& labels = {});
 
-/// NIfTI-1 in one file, packed where the name ends in .gz: intent "label". The format has its x to the right and its y
-/// to the front, LPS has neither: voxels keep their order, the transform (qform and sform, the same) turns x and y
-/// round. Source: nifti1.h of the NIfTI Data Format Working Group.
+/// NIfTI-1 in one file, packed where the name ends in .gz: intent "label", without names and
+/// colours. The format has its x to the right and its y to the front, LPS has neither: voxels keep their order, the
+/// transform (qform and sform, the same) turns x and y round. Source: nifti1.h of the NIfTI Data Format Working Group.
 [[nodiscard]] Result<void> write_nifti(const LabelVolume& volume, const std::filesystem::path& path);
 
 }  // namespace sonoloft

@@ -5,12 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "core/io/meshes/mesh_files.h"
-
 namespace sonoloft {
 namespace {
-
-using Rgb = std::array<std::uint8_t, 3>;
 
 struct Rect {
   int left, top, width, height;
@@ -49,13 +45,13 @@ void write(Picture& picture, std::string text, int left, int top, int scale, con
 
 }  // namespace
 
-void draw_legend(const std::vector<LegendLine>& lines, bool dark, Picture& picture) {
+void draw_legend(const PictureOptions& options, Picture& picture) {
   const int scale = std::max(1, picture.height_px / 450);
   const int line = 14 * scale, square = 8 * scale, margin = 10 * scale;
-  int top = picture.height_px - margin - line * static_cast<int>(lines.size());
-  for (const LegendLine& entry : lines) {
-    fill(picture, {margin, top, square, square}, label_colour(entry.label));
-    const Rgb ink = dark ? Rgb{214, 218, 224} : Rgb{52, 56, 64};
+  int top = picture.height_px - margin - line * static_cast<int>(options.legend.size());
+  for (const LegendLine& entry : options.legend) {
+    fill(picture, {margin, top, square, square}, options.labels.colour(entry.label));
+    const Rgb ink = options.dark ? Rgb{214, 218, 224} : Rgb{52, 56, 64};
     write(picture, entry.text, margin + square + 6 * scale, top + scale / 2, scale, ink);
     top += line;
   }

@@ -4,6 +4,6 @@
 namespace sonoloft {
 
 /// Writes the lines into the lower left corner, each behind a square of its label's colour.
-void draw_legend(const std::vector<LegendLine>& lines, bool dark, Picture& picture);
+void draw_legend(const PictureOptions& options, Picture& picture);
 
 }  // namespace sonoloft

@@ -46,8 +46,8 @@ Result<Picture> draw(const IndexedMesh& mesh, const PictureOptions& options, int
   if (auto ok = check(options); !ok) return tl::unexpected(ok.error());
   if (auto ok = check(mesh); !ok) return tl::unexpected(ok.error());
   const Scene scene = make_scene(mesh, options, threads);
-  Picture picture = shade(scene, rasterise(scene, threads), options.dark, threads);
-  draw_legend(options.legend, options.dark, picture);
+  Picture picture = shade(scene, rasterise(scene, threads), options, threads);
+  draw_legend(options, picture);
   return picture;
 }
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/io/labels/label_table.h"
 #include "core/mesh/mesh.h"
-#include "core/slice/label.h"
 #include "core/slice/result.h"
 
 namespace sonoloft {
@@ -37,6 +37,7 @@ struct PictureOptions {
   Eigen::Vector3d look = {-0.55, 0.75, -0.38};  ///< from the eye into the scene
   Eigen::Vector3d up = {0, 0, 1};               ///< upwards in the picture; not along `look`
   bool dark = false;                            ///< background
+  LabelTable labels;                            ///< their colours
   std::vector<Label> transparent;               ///< labels drawn as glass
   std::optional<Cut> cut;
   std::vector<LegendLine> legend;  ///< lower left, first line on top

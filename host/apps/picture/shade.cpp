@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "core/io/meshes/mesh_files.h"
 #include "core/slice/parallel.h"
 #include "host/apps/picture/occlusion.h"
 
@@ -36,7 +35,8 @@ struct Hits {
 
 class Shader {
  public:
-  Shader(const Scene& scene, const Layers& layers, bool dark) : scene_(scene), layers_(layers), dark_(dark) {
+  Shader(const Scene& scene, const Layers& layers, const PictureOptions& options)
+      : scene_(scene), layers_(layers), options_(options) {
     for (std::size_t i = 0; i < linear_.size(); ++i) {
       linear_[i] = std::pow(static_cast<float>(i) / 255.0f, 2.2f);
     }
@@ -125,7 +125,7 @@ class Shader {
   }
 
   [[nodiscard]] Color color_of(Label label) const {
-    const auto rgb = label_colour(label);
+    const auto rgb = options_.labels.colour(label);
     return {linear_[rgb[0]], linear_[rgb[1]], linear_[rgb[2]]};
   }
 
@@ -158,8 +158,8 @@ class Shader {
 
   [[nodiscard]] Color background(int row) const {
     const float share = static_cast<float>(row) / static_cast<float>(scene_.camera.height);
-    const Color top = dark_ ? Color(0.030f, 0.036f, 0.048f) : Color(0.95f, 0.96f, 0.97f);
-    const Color bottom = dark_ ? Color(0.006f, 0.007f, 0.010f) : Color(0.70f, 0.73f, 0.78f);
+    const Color top = options_.dark ? Color(0.030f, 0.036f, 0.048f) : Color(0.95f, 0.96f, 0.97f);
+    const Color bottom = options_.dark ? Color(0.006f, 0.007f, 0.010f) : Color(0.70f, 0.73f, 0.78f);
     return top + share * (bottom - top);
   }
 
@@ -192,7 +192,7 @@ class Shader {
 
   const Scene& scene_;
   const Layers& layers_;
-  bool dark_;
+  const PictureOptions& options_;
   std::array<float, 256> linear_{};
   std::vector<std::uint32_t> surface_;  ///< [samples] of the solid hit: its label, with kOnCut on the cut
   std::vector<float> depth_;            ///< [samples] mm, of the solid hit
@@ -201,8 +201,8 @@ class Shader {
 
 }  // namespace
 
-Picture shade(const Scene& scene, const Layers& layers, bool dark, int threads) {
-  return Shader(scene, layers, dark).run(threads);
+Picture shade(const Scene& scene, const Layers& layers, const PictureOptions& options, int threads) {
+  return Shader(scene, layers, options).run(threads);
 }
 
 }  // namespace sonoloft

@@ -4,7 +4,7 @@
 
 #include "core/tracking/bottom_line.h"
 #include "core/tracking/time_offset.h"
-#include "core/tracking/tracked_sequence.h"
+#include "core/tracking/transform_graph.h"
 #include "tests/support/recorded_sets.h"
 
 using namespace sonoloft;
@@ -35,7 +35,7 @@ TimeOffset offset_of(const TrackedSequence& images, const TrackedSequence& poses
 }
 
 /// The voxels around a point, weighted; nothing at the border and outside.
-std::optional<double> sample(const MetaImage& volume, const Eigen::Vector3d& p_mm) {
+std::optional<double> sample(const ImageStack& volume, const Eigen::Vector3d& p_mm) {
   const Eigen::Vector3d index = (p_mm - volume.origin_mm).cwiseQuotient(volume.spacing_mm);
   const Eigen::Vector3d low = index.array().floor().matrix();
   for (int k = 0; k < 3; ++k) {
@@ -81,23 +81,21 @@ TEST_CASE("tracking: the pixels of the spine phantom land where PLUS put them") 
   const auto reconstructed = recorded_set("tracked/SpinePhantomFreehandReconstructed.mha");
   if (!frames || !reconstructed) return;
   const TrackedSequence sequence = read(*frames);
-  const auto volume = read_meta_image(*reconstructed);
+  const auto volume = read_image_stack(*reconstructed);
   REQUIRE(volume);
-  // ImageToProbe of the recording's configuration, pixels to mm.
-  Eigen::Affine3d image_to_probe;
-  image_to_probe.matrix() << -0.00157821, 0.0785919, -0.00803285, 15.3978,  //
-      -0.0839128, 0.00372697, 0.0153803, 49.5705,                           //
-      0.0159024, 0.00714276, 0.0803604, -8.63446,                           //
-      0, 0, 0, 1;
+  const auto config = read_plus_config(recorded_set("tracked/SpinePhantomFreehand_config.xml").value());
+  REQUIRE(config);
   const auto [width, height, count] = sequence.images.dims;
   double n = 0, sx = 0, sy = 0, sxx = 0, syy = 0, sxy = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    const auto probe_to_reference = transform_between(sequence.frames[i], "Probe", "Reference");
-    if (!probe_to_reference) continue;
-    const Eigen::Affine3d image_to_reference = *probe_to_reference * image_to_probe;
+    TransformGraph graph;
+    graph.set(*config);
+    graph.set(sequence.frames[i]);
+    const auto image_to_reference = graph.find("Image", "Reference");
+    REQUIRE(image_to_reference);
     for (std::uint32_t v = 0; v < height; v += 2) {
       for (std::uint32_t u = 0; u < width; u += 2) {
-        const auto there = sample(*volume, image_to_reference * Eigen::Vector3d(u, v, 0));
+        const auto there = sample(*volume, *image_to_reference * Eigen::Vector3d(u, v, 0));
         if (!there) continue;
         const double x = sequence.images.pixels[(std::size_t{i} * height + v) * width + u], y = *there;
         n += 1, sx += x, sy += y, sxx += x * x, syy += y * y, sxy += x * y;

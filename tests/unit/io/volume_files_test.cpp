@@ -129,7 +129,9 @@ TEST_CASE("volume files: a file is replaced, and where none can be written the e
   LabelVolume volume = small_volume();
   volume.labels.assign(60, kOutside);
   for (const char* file : {"v.seg.nrrd", "v.nii", "v.nii.gz"}) {
-    const auto write = std::string(file).ends_with("nrrd") ? write_seg_nrrd : write_nifti;
+    const auto write = [&](const LabelVolume& voxels, const std::filesystem::path& path) {
+      return std::string(file).ends_with("nrrd") ? write_seg_nrrd(voxels, path) : write_nifti(voxels, path);
+    };
     REQUIRE(write(volume, folder.path(file)));
     const std::string once = bytes_of(folder.path(file));
     folder.write(file, std::string(100000, 'x'));

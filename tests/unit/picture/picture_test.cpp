@@ -183,13 +183,14 @@ TEST_CASE("picture: a legend puts each label's colour and some ink into the corn
   const IndexedMesh sphere = sphere_mesh({0, 0, 0}, 10, 3);
   const Picture without = drawn(sphere, options);
   options.legend = {{1, "liver"}, {2, "vessel (\x80?)"}};
+  REQUIRE(options.labels.add(2, "vessel", {9, 80, 255}));
   const Picture with = drawn(sphere, options);
   int squares[2] = {0, 0}, changed = 0;
   for (int y = 90; y < 180; ++y) {
     for (int x = 0; x < 120; ++x) {
       changed += pixel(with, x, y) != pixel(without, x, y);
       for (Label label : {Label{1}, Label{2}}) {
-        const auto rgb = label_colour(label);
+        const auto rgb = options.labels.colour(label);
         squares[label - 1] += pixel(with, x, y) == Eigen::Vector3d(rgb[0], rgb[1], rgb[2]);
       }
     }

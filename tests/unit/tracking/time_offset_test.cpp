@@ -65,7 +65,7 @@ TEST_CASE("time offset: what cannot be judged is refused with a reason") {
 }
 
 TEST_CASE("bottom line: the brightest line is found in speckle, and none where there is none") {
-  MetaImage images;
+  ImageStack images;
   images.dims = {120, 200, 3};
   images.pixels.assign(120 * 200 * 3, 0);
   std::mt19937 random(5);

@@ -2,14 +2,14 @@
 #include <array>
 #include <cmath>
 
-#include "core/io/meshes/mesh_files.h"
+#include "core/io/labels/label_table.h"
 
 namespace sonoloft {
 
-std::array<std::uint8_t, 3> label_colour(Label label) {
+Rgb label_colour(Label label) {
   if (label == kOutside || label > kMaxLabel) return {128, 128, 128};
   // The few labels that most scans have, by hand: soft enough to be looked at, far apart also without green or red.
-  constexpr std::array<std::array<std::uint8_t, 3>, 5> kFirst = {
+  constexpr std::array<Rgb, 5> kFirst = {
       {{205, 98, 80}, {72, 130, 190}, {235, 185, 75}, {98, 170, 110}, {150, 110, 185}}};
   if (label <= kFirst.size()) return kFirst[label - 1u];
   // 100 hues in far steps, in three lightnesses and two saturations: 300 colours before one comes again.

@@ -1,0 +1,74 @@
+// status of the server -> [PANEL] -> words and numbers beside the picture
+const kNumbers = new Intl.NumberFormat('en', {maximumSignificantDigits: 4});
+
+function element(name, attributes = {}, ...children) {
+  const made = Object.assign(document.createElement(name), attributes);
+  made.append(...children);
+  return made;
+}
+
+/** A line for every label: whether it is shown, its name, its volume, how opaque it is. */
+export class LabelList {
+  /** @param change  called with a label and {visible} or {opacity} */
+  constructor(list, look, change) {
+    Object.assign(this, {list, look, change, lines: new Map()});
+  }
+
+  show(labels) {
+    const shown = labels.map(({label}) => label).join();
+    if (shown !== this.shown) {
+      this.shown = shown;
+      this.lines = new Map(labels.map((entry) => [entry.label, this.#line(entry)]));
+      this.list.replaceChildren(...[...this.lines.values()].map(({item}) => item));
+    }
+    for (const {label, volume_ml} of labels) {
+      const {volume, opacity} = this.lines.get(label);
+      volume.textContent = `${kNumbers.format(volume_ml)} ml`;
+      if (document.activeElement !== opacity) opacity.value = this.look(label).opacity;
+    }
+  }
+
+  toggle(index) {
+    [...this.lines.values()][index]?.box.click();
+  }
+
+  #line({label, name, colour}) {
+    const look = this.look(label);
+    const box = element('input', {type: 'checkbox', checked: look.visible});
+    const volume = element('span', {className: 'volume'});
+    const opacity = element('input', {type: 'range', min: 0, max: 1, step: 0.05, value: look.opacity});
+    opacity.setAttribute('aria-label', `Opacity of ${name}`);
+    box.addEventListener('change', () => this.change(label, {visible: box.checked}));
+    opacity.addEventListener('input', () => this.change(label, {opacity: Number(opacity.value)}));
+    const item = element('li', {}, element('label', {}, box, element('span', {className: 'name', textContent: name})),
+                         volume, opacity);
+    item.style.setProperty('--of', `rgb(${colour.join()})`);
+    return {item, box, volume, opacity};
+  }
+}
+
+const kLedgerNames = {
+  made: 'made', delivered: 'delivered', host_dropped: 'dropped by host', crc_bad: 'damaged', malformed: 'malformed',
+  transport_lost: 'lost on the way', device_dropped: 'dropped by probe',
+};
+
+function fill(list, rows) {
+  list.replaceChildren(...rows.flatMap(([name, value]) => [
+    element('dt', {textContent: name}), element('dd', {textContent: value})]));
+}
+
+export function showFigures(list, head) {
+  const rows = [['Triangles', kNumbers.format(head.bricks.faces)]];
+  if (head.slices) {
+    const {delivered, inserted, explained, merged, refused, dropped} = head.slices;
+    rows.unshift(['Slices', delivered], ['Rate', `${head.rate_hz.toFixed(1)} / s`],
+                 ['Latency', `${head.latency_ms.toFixed(0)} ms`], ['Detail', head.detail]);
+    rows.push(['New to the mesh', inserted], ['Known already', explained + merged], ['Refused', refused],
+              ['Dropped', dropped]);
+  }
+  fill(list, rows);
+}
+
+export function showLedger(list, ledger) {
+  fill(list, Object.entries(kLedgerNames).map(([key, name]) => [name, ledger[key]]));
+}

@@ -1,0 +1,172 @@
+// The page in a browser: what it shows, what its keys do, what it takes of memory.
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <thread>
+
+#include "tests/integration/view/scene_client.h"
+#include "tests/integration/view/view_support.h"
+
+using namespace sonoloft;
+using namespace sonoloft::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kFolder = SONOLOFT_VIEW_FOLDER;
+
+bool browser_is_there() {
+  const bool there = fs::exists("/usr/bin/chromium") && fs::exists(SONOLOFT_PAGE_MODULES "/playwright-core") &&
+                     std::system("node --version > /dev/null 2>&1") == 0;
+  if (!there)
+    MESSAGE("SKIP: no /usr/bin/chromium, node or " SONOLOFT_PAGE_MODULES
+            "/playwright-core: apt install chromium, ./run build");
+  return there;
+}
+
+/// Starts the browser; the future has its exit status.
+std::future<int> drive(const view::ViewServer& server, const std::string& scenario, int seconds = 0) {
+  fs::create_directories(kFolder);
+  fs::remove(kFolder / (scenario + ".json"));
+  const std::string command = "timeout " + std::to_string(300 + 2 * seconds) +
+                              " node tests/integration/view/drive_page.mjs '" SONOLOFT_PAGE_MODULES "' '" +
+                              server.url() + "' " + scenario + " '" + kFolder.string() + "' " + std::to_string(seconds);
+  return std::async(std::launch::async, [command] { return std::system(command.c_str()); });
+}
+
+nlohmann::json report_of(const std::string& scenario) {
+  std::ifstream file(kFolder / (scenario + ".json"));
+  return nlohmann::json::parse(file, nullptr, false);
+}
+
+bool done(const std::future<int>& browser) {
+  return browser.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+void wait_for_viewers(const view::ViewServer& server, std::size_t count, const std::future<int>& browser) {
+  while (server.figures().viewers < count && !done(browser)) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+}
+
+void check_in_step(const nlohmann::json& counts) {
+  CHECK(counts["bricksReceived"] == counts["bricksSent"]);
+  CHECK(counts["bricks"] == counts["serverBricks"]);
+  CHECK(counts["faces"] == counts["serverFaces"]);
+  CHECK(counts["faces"] > 1000);
+}
+
+double resident_mib() {
+  std::ifstream statm("/proc/self/statm");
+  std::size_t total = 0, resident = 0;
+  statm >> total >> resident;
+  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+double since_epoch_ms(std::chrono::system_clock::time_point at) {
+  return std::chrono::duration<double, std::milli>(at.time_since_epoch()).count();
+}
+
+}  // namespace
+
+TEST_CASE("view: the page follows a scan, late pages catch up, keys do what they say") {
+  if (!browser_is_there()) return;
+  constexpr std::uint32_t kSlices = 60;
+  device_sim::LoopbackOptions device_options = ball_device_options();
+  device_options.rate_hz = 20;
+  device_sim::LoopbackDevice device(device_options, ball_source(kSlices));
+  ScanOptions options = ball_scan_options();
+  options.stream.mode = device::StreamMode::live;
+  const auto scan = open_scan(device.port(), options);
+  std::atomic<bool> stopped = false;
+  view::ViewSource source;
+  source.confidence = [&](std::span<const Eigen::Vector3f> points) { return scan->confidence(points); };
+  source.ledger = [&] { return scan->ledger(); };
+  source.stop = [&] { stopped = true; };
+  const auto server = open_server(std::move(source));
+  if (!server) return;
+
+  auto browser = drive(*server, "scan");
+  wait_for_viewers(*server, 1, browser);
+  std::atomic<double> first_slice_ms = 0;
+  ScanInbox inbox([&](const MeshUpdate&) {});
+  ScanCallbacks callbacks = inbox.callbacks();
+  callbacks.on_mesh = [&, then = callbacks.on_mesh](std::shared_ptr<const MeshUpdate> update) {
+    server->show(update);
+    then(update);
+  };
+  callbacks.on_slice = [&](std::shared_ptr<const device::DeliveredSlice> slice) {
+    if (first_slice_ms == 0) first_slice_ms = since_epoch_ms(std::chrono::system_clock::now());
+    server->show(slice);
+  };
+  REQUIRE(scan->start(callbacks));
+  REQUIRE(inbox.wait_for(ScanEventKind::end_of_data));
+  scan->stop();
+  server->show("the scan is over", true);
+  while (!stopped && !done(browser)) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  server->show("stopped");
+
+  REQUIRE(browser.get() == 0);
+  const nlohmann::json report = report_of("scan");
+  MESSAGE("first mesh on the page " << report["first"]["firstMeshAt"].get<double>() - first_slice_ms
+                                    << " ms after the first slice; " << report["first"].dump());
+  CHECK(report["errors"].empty());
+  check_in_step(report["first"]);
+  for (const auto& late : report["late"]) check_in_step(late);
+  for (const auto& key : report["keys"].items()) {
+    const std::string name = key.key();
+    CAPTURE(name);
+    CHECK((!key.value().is_boolean() || key.value().get<bool>()));
+  }
+  CHECK(report["keys"]["first"] == "first point");
+  CHECK(report["keys"]["second"] == "second point");
+  const std::string distance = report["keys"]["distance"];
+  CHECK(distance.ends_with(" mm"));  // between two points of the ball, 15 degrees apart
+  CHECK(std::stod(distance) == doctest::Approx(2 * kBallRadius_mm * std::sin(std::numbers::pi / 24)).epsilon(0.1));
+  CHECK(report["keys"]["picture"].get<std::string>().starts_with("sonoloft-"));
+  CHECK(fs::file_size(kFolder / "picture.png") > 10'000);
+  CHECK(report["names"].size() >= 20);
+  for (const auto& control : report["names"]) CHECK(!control.get<std::string>().ends_with(' '));
+}
+
+TEST_CASE("view: a frozen page and a viewer that never reads cost the others nothing, and no memory grows") {
+  if (!browser_is_there()) return;
+  const auto server = open_server();
+  if (!server) return;
+  const char* wanted = std::getenv("SONOLOFT_VIEW_SECONDS");
+  const int seconds = wanted == nullptr ? 8 : std::atoi(wanted);
+  const auto updates = ball_updates(48);
+  SceneClient silent(port_of(*server));
+  silent.say("next");  // and reads no answer
+  auto browser = drive(*server, "loop", seconds);
+  std::vector<double> resident;
+  std::uint64_t rounds = 0;
+  for (; !done(browser); ++rounds) {
+    for (const auto& update : updates) {
+      for (const SliceReport& report : update->slices) server->show(report.slice);
+      server->show(update);
+      std::this_thread::sleep_for(std::chrono::milliseconds(25));
+    }
+    resident.push_back(resident_mib());
+  }
+  MESSAGE((rounds * updates.size()) << " meshes shown; server, MiB: " << resident[resident.size() / 4] << " -> "
+                                    << resident.back());
+  REQUIRE(browser.get() == 0);
+  const nlohmann::json report = report_of("loop");
+  const view::ViewFigures figures = server->figures();
+  MESSAGE("page's heap, MiB: " << report["heap_mib"].dump() << "; " << figures.messages_sent << " messages, "
+                               << figures.bytes_sent << " bytes");
+  CHECK(report["errors"].empty());
+  CHECK(report["page"]["bricksReceived"] == report["page"]["bricksSent"]);
+  CHECK(report["page"]["messages"] > report["before"]["messages"]);
+  CHECK(report["frozen"]["bricksReceived"] == report["frozen"]["bricksSent"]);
+  CHECK(resident.back() < resident[resident.size() / 4] + 64);
+  CHECK(report["heap_mib"].back().get<double>() < report["heap_mib"][2].get<double>() + 64);
+}

@@ -13,11 +13,12 @@ set(from_here "${CMAKE_CURRENT_LIST_DIR}")
 
 # The components and their rooms.
 set(rooms_protocol protocol)
-set(rooms_core slice background cells completion field gpu octree mesh display coverage reconstructor io voxels tracking)
+set(rooms_core slice background cells completion field gpu octree mesh display coverage reconstructor io voxels tracking segmentation)
 set(rooms_scan device usb scan record)
 set(rooms_probe firmware port probe simulator simulated)
 set(rooms_cpp ${rooms_protocol} ${rooms_core} ${rooms_scan} ${rooms_probe})
 set(rooms_capi capi)
+set(rooms_igtl igtl)
 set(rooms_offline offline)
 
 add_custom_target(sdk COMMENT "All that is installed as component sdk")
@@ -107,6 +108,15 @@ else()
   message(STATUS "SonoLoft is installed without its component offline: no CGAL Mesh_3, or SONOLOFT_OFFLINE is off")
 endif()
 
+if(TARGET sonoloft_igtl)
+  install_rooms(igtl "${cpp_includes}")
+  list(APPEND installed igtl)
+  install_pkg_config(sonoloft-igtl "${PROJECT_DESCRIPTION}: OpenIGTLink server, C++" "${cpp_includes}" "sonoloft-cpp"
+    "-lsonoloft_igtl -lOpenIGTLink")
+else()
+  message(STATUS "SonoLoft is installed without its component igtl: no OpenIGTLink (Debian: libopenigtlink-dev)")
+endif()
+
 install_shared(sonoloft_cpp sonoloft_cpp ${PROJECT_VERSION} "${cpp_includes}" ${rooms_cpp})
 install_shared(sonoloft_c sonoloft ${PROJECT_VERSION_MAJOR} "${c_includes}" capi)
 target_link_libraries(sonoloft_cpp PUBLIC Eigen3::Eigen tl::expected)
@@ -114,7 +124,7 @@ target_link_libraries(sonoloft_cpp PUBLIC Eigen3::Eigen tl::expected)
 set_target_properties(sonoloft_c PROPERTIES EXPORT_NAME capi)
 set_target_properties(sonoloft_cpp PROPERTIES EXPORT_NAME cpp)
 
-set(outside "OpenCL zlib libusb-1.0 gmp")
+set(outside "OpenCL zlib pugixml libusb-1.0 gmp")
 static_libs(c_libs capi)
 static_libs(cpp_libs ${rooms_cpp})
 install_pkg_config(sonoloft "${PROJECT_DESCRIPTION}: C" "${c_includes}" "" "-lsonoloft")

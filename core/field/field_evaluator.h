@@ -12,10 +12,11 @@ namespace sonoloft {
 /// is
 ///   f_l(x) = S_l(x) / T(x),   S_l = sum over the cell's faces of  integral over the region of l of  h / |y - x|^4 dA,
 /// T the sum over all labels. On a wall f is the wall's label, so fields of neighbouring cells meet; on a border
-/// between two labels it is 1/2. What is unknown on the walls is a label like the others here: its share is what was not
-/// measured of the point, for the background to fill. Source: Bermano, Vaxman, Gotsman 2011, sections 4.3 and 4.4; closed form in
-/// docs/pipeline/4-field.md. A share is a function of the point and its cell alone, to the last bit: neither of the
-/// points evaluated beside it nor of the number of threads. Evaluators of different kinds agree up to rounding.
+/// between two labels it is 1/2. What is unknown on the walls is a label like the others here: its share is what was
+/// not measured of the point, for the background to fill. Source: Bermano, Vaxman, Gotsman 2011, sections 4.3 and 4.4;
+/// closed form in docs/pipeline/4-field.md. A share is a function of the point and its cell alone, to the last bit:
+/// neither of the points evaluated beside it nor of the number of threads. Evaluators of different kinds agree up to
+/// rounding.
 class FieldEvaluator {
  public:
   virtual ~FieldEvaluator() = default;

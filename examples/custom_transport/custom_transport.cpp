@@ -32,6 +32,10 @@ class MeteredTransport final : public device::Transport, private device::Transfe
   }
   void stop_stream() override { inner_->stop_stream(); }
   void restart_stream() override { inner_->restart_stream(); }
+  void reset_stream() override { inner_->reset_stream(); }
+  Result<void> send_block(std::span<const std::byte> block, std::chrono::milliseconds timeout) override {
+    return inner_->send_block(block, timeout);
+  }
   Result<void> reopen() override { return inner_->reopen(); }
 
  private:
@@ -40,6 +44,7 @@ class MeteredTransport final : public device::Transport, private device::Transfe
     traffic_->bytes += transfer.size();
     sink_->on_transfer(transfer);
   }
+  void on_event(std::span<const std::byte> event) override { sink_->on_event(event); }
   void on_gone() override { sink_->on_gone(); }
 
   std::unique_ptr<device::Transport> inner_;
@@ -58,7 +63,7 @@ Result<void> scan_through(std::unique_ptr<device::Transport> transport) {
   ScanCallbacks callbacks;
   callbacks.on_event = [&end](const ScanEvent& event) {
     std::printf("%s\n", event.message.c_str());
-    if (event.kind != ScanEventKind::slices_dropped) end.release();
+    if (ends_run(event.kind)) end.release();
   };
   if (auto started = (*scan)->start(callbacks); !started) return started;
   end.acquire();

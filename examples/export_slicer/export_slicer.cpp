@@ -48,7 +48,7 @@ Result<IndexedMesh> scan_all(std::unique_ptr<device::Transport> probe) {
   callbacks.on_mesh = [&last](std::shared_ptr<const MeshUpdate> update) { last = std::move(update); };
   callbacks.on_event = [&end](const ScanEvent& event) {
     std::printf("%s\n", event.message.c_str());
-    if (event.kind != ScanEventKind::slices_dropped) end.release();
+    if (ends_run(event.kind)) end.release();
   };
   if (auto started = (*scan)->start(callbacks); !started) return tl::unexpected<Error>(started.error());
   end.acquire();

@@ -25,7 +25,7 @@ int main() {
   };
   callbacks.on_event = [&end](const ScanEvent& event) {
     std::printf("%s\n", event.message.c_str());
-    if (event.kind != ScanEventKind::slices_dropped) end.release();
+    if (ends_run(event.kind)) end.release();
   };
   if (auto started = (*scan)->start(callbacks); !started)
     return std::fprintf(stderr, "%s\n", started.error().message.c_str()), 1;

@@ -19,7 +19,7 @@ static void on_mesh(void* user, sonoloft_mesh* mesh) {
 static void on_event(void* user, const sonoloft_event* event) {
   Viewer* viewer = user;
   printf("%s\n", event->message);
-  if (event->kind != SONOLOFT_SLICES_DROPPED) atomic_store(&viewer->ended, 1);
+  if (event->ends_run) atomic_store(&viewer->ended, 1);
 }
 
 static int write_obj(const sonoloft_mesh_arrays* mesh, const char* path) {
@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
   sonoloft_scan_options options = {
       .size = sizeof options, .box_min_mm = {-300, -300, -300}, .box_max_mm = {300, 300, 300}, .spacing_mm = 4};
   Viewer viewer = {0};
-  sonoloft_callbacks callbacks = {sizeof callbacks, &viewer, on_mesh, on_event};
+  sonoloft_callbacks callbacks = {.size = sizeof callbacks, .user = &viewer, .on_mesh = on_mesh, .on_event = on_event};
   sonoloft_error error;
   sonoloft_probe* probe;
   sonoloft_scan* scan;

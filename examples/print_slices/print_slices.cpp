@@ -24,7 +24,7 @@ int main() {
   };
   callbacks.on_event = [&end](const device::Event& event) {
     std::printf("%s\n", event.message.c_str());
-    if (event.kind != device::EventKind::slices_dropped) end.release();
+    if (ends_run(event.kind)) end.release();
   };
   if (auto started = (*session)->start({}, callbacks); !started)
     return std::fprintf(stderr, "%s\n", started.error().message.c_str()), 1;

@@ -78,6 +78,14 @@ void add_compute(CLI::App& verb, Compute& compute) {
       ->default_str("auto");
 }
 
+void add_labels(CLI::App& verb, std::optional<std::filesystem::path>& labels) {
+  verb.add_option("--labels", labels, "Names and colours of the labels: a colour table of 3D Slicer (.ctbl)");
+}
+
+Result<LabelTable> read_labels(const std::optional<std::filesystem::path>& labels) {
+  return labels ? read_label_table(*labels) : LabelTable();
+}
+
 void add_report(CLI::App& verb, std::optional<std::filesystem::path>& report) {
   verb.add_option("--report", report, "Write the figures to this JSON file");
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/field/device_choice.h"
+#include "core/io/labels/label_table.h"
 #include "core/reconstructor/reconstructor.h"
 #include "core/slice/result.h"
 
@@ -30,6 +31,11 @@ void add_compute(CLI::App& verb, Compute& compute);
 void add_admission(CLI::App& verb, Admission& admission);
 
 void add_threads(CLI::App& verb, int& threads);
+/// --labels; without it the table is empty.
+void add_labels(CLI::App& verb, std::optional<std::filesystem::path>& labels);
+/// @error those of read_label_table()
+[[nodiscard]] Result<LabelTable> read_labels(const std::optional<std::filesystem::path>& labels);
+
 void add_report(CLI::App& verb, std::optional<std::filesystem::path>& report);
 
 /// Accepts finite numbers of [low, high].

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -22,6 +24,15 @@ Result<void> make_folder_of(const std::filesystem::path& path) {
   return {};
 }
 
+/// The triangles that bound each label.
+std::map<Label, std::size_t> triangles_of(const IndexedMesh& mesh) {
+  std::map<Label, std::size_t> counts;
+  for (const auto* side : {&mesh.label_front, &mesh.label_back})
+    for (const Label label : *side) ++counts[label];
+  counts.erase(kOutside);
+  return counts;
+}
+
 }  // namespace
 
 Percentiles percentiles(std::vector<double> values) {
@@ -37,6 +48,19 @@ nlohmann::ordered_json json(const Percentiles& p) {
   return {{"p50", p.p50}, {"p95", p.p95}, {"max", p.max}};
 }
 
+nlohmann::ordered_json labels_json(const IndexedMesh& mesh, const LabelTable& labels) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::object();
+  for (const auto& [label, triangles] : triangles_of(mesh))
+    all[std::to_string(label)] = {{"name", labels.name(label)}, {"triangles", triangles}};
+  return all;
+}
+
+std::vector<LegendLine> legend_of(const IndexedMesh& mesh, const LabelTable& labels) {
+  std::vector<LegendLine> lines;
+  for (const auto& [label, triangles] : triangles_of(mesh)) lines.push_back({label, labels.name(label)});
+  return lines;
+}
+
 Result<void> write_report(const nlohmann::ordered_json& report, const std::filesystem::path& path) {
   if (auto made = make_folder_of(path); !made) return made;
   std::ofstream file(path);
@@ -45,25 +69,26 @@ Result<void> write_report(const nlohmann::ordered_json& report, const std::files
   return {};
 }
 
-Result<void> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path,
+Result<void> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path, const LabelTable& labels,
                         const VertexProperties& properties) {
   if (auto made = make_folder_of(path); !made) return made;
   const auto suffix = path.extension();
-  if (suffix == ".obj") return write_obj(mesh, path);
+  if (suffix == ".obj") return write_obj(mesh, path, labels);
   if (suffix == ".stl") return write_stl(mesh, path);
-  if (suffix == ".vtp") return write_vtp(mesh, path);
-  return write_ply(mesh, path, properties);
+  if (suffix == ".vtp") return write_vtp(mesh, path, labels);
+  return write_ply(mesh, path, labels, properties);
 }
 
-Result<void> write_volume(const LabelVolume& volume, const std::filesystem::path& path) {
+Result<void> write_volume(const LabelVolume& volume, const std::filesystem::path& path, const LabelTable& labels) {
   if (auto made = make_folder_of(path); !made) return made;
-  return path.extension() == ".nrrd" ? write_seg_nrrd(volume, path) : write_nifti(volume, path);
+  return path.extension() == ".nrrd" ? write_seg_nrrd(volume, path, labels) : write_nifti(volume, path);
 }
 
-Result<void> write_picture(const IndexedMesh& mesh, std::vector<LegendLine> legend, std::span<const Label> glass,
-                           const std::filesystem::path& path, int threads) {
+Result<void> write_picture(const IndexedMesh& mesh, const LabelTable& labels, std::vector<LegendLine> legend,
+                           std::span<const Label> glass, const std::filesystem::path& path, int threads) {
   if (auto made = make_folder_of(path); !made) return made;
   PictureOptions options;
+  options.labels = labels;
   options.legend = std::move(legend);
   options.transparent.assign(glass.begin(), glass.end());
   const auto picture = draw(mesh, options, threads);

@@ -18,8 +18,10 @@ int main(int argc, char** argv) {
   add_scan(app, task);
   add_record(app, task);
   add_replay(app, task);
+  add_view_verb(app, task);
   add_devices(app, task);
   add_probe(app, task);
+  add_send(app, task);
   add_stats(app, task);
   add_calibrate_time(app, task);
   add_info(app, task);

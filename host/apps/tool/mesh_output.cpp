@@ -24,15 +24,16 @@ void add_mesh_output(CLI::App& verb, MeshOutput& output) {
       ->check(of_volume);
 }
 
-Result<void> write_output(const IndexedMesh& mesh, const MeshOutput& output, double spacing_mm, int threads) {
+Result<void> write_output(const IndexedMesh& mesh, const MeshOutput& output, const LabelTable& labels,
+                          double spacing_mm, int threads) {
   std::string path = output.path.string();
-  if (!ends_in(kVolumeSuffixes)(path).empty()) return write_mesh(mesh, output.path);
+  if (!ends_in(kVolumeSuffixes)(path).empty()) return write_mesh(mesh, output.path, labels);
   const auto volume = voxelize(mesh, output.voxel_mm.value_or(spacing_mm), threads);
-  if (volume) return write_volume(*volume, output.path);
+  if (volume) return write_volume(*volume, output.path, labels);
   // A scan cannot be had again.
   Error error = volume.error();
   const std::string instead = path + ".ply";
-  if (write_mesh(mesh, instead)) error.message += "; the mesh is in " + instead;
+  if (write_mesh(mesh, instead, labels)) error.message += "; the mesh is in " + instead;
   return tl::unexpected<Error>(error);
 }
 

@@ -28,7 +28,7 @@ void ScanLog::take(std::shared_ptr<const MeshUpdate> update) {
 
 void ScanLog::take(const ScanEvent& event) {
   if (event.kind != ScanEventKind::end_of_data) std::cerr << "sonoloft: " << event.message << '\n';
-  if (event.kind == ScanEventKind::slices_dropped || event.kind == ScanEventKind::callback_threw) return;
+  if (!ends_run(event.kind)) return;
   const std::lock_guard lock(mutex_);
   if (event.kind == ScanEventKind::reconstruction_failed) failure_ = event.message;
   data_ended_ = event.kind == ScanEventKind::end_of_data;

@@ -137,6 +137,35 @@ TEST_CASE("install: the C library exports its interface alone, all of it; the C+
   for (const std::string& line : cpp) CHECK_MESSAGE(line.find("sonoloft::") != std::string::npos, line);
 }
 
+TEST_CASE("install: the OpenIGTLink server links, static, beside the shared library and by pkg-config") {
+  if (!fs::exists(prefix() / "lib/libsonoloft_igtl.a")) {
+    MESSAGE("SKIP: no OpenIGTLink: apt-get install libopenigtlink-dev, then configure anew");
+    return;
+  }
+  const TemporaryFolder folder;
+  const fs::path source = folder.write("main.cpp",
+                                       "#include \"host/igtl/server.h\"\n#include <iostream>\n"
+                                       "int main() {\n  sonoloft::igtl::ServerOptions options;\n  options.port = 0;\n"
+                                       "  const auto server = sonoloft::igtl::Server::start(options);\n"
+                                       "  (*server)->show(std::make_shared<sonoloft::MeshUpdate>());\n"
+                                       "  std::cout << \"serves \" << ((*server)->port() > 0) << '\\n';\n}\n");
+  static_cast<void>(
+      folder.write("CMakeLists.txt",
+                   "cmake_minimum_required(VERSION 3.25)\nproject(P LANGUAGES CXX)\nset(CMAKE_CXX_STANDARD 20)\n"
+                   "find_package(SonoLoft REQUIRED COMPONENTS igtl)\nadd_executable(p main.cpp)\n"
+                   "target_link_libraries(p PRIVATE sonoloft::igtl)\n"));
+  const std::string in = "cd " + folder.path("").string() + "\nexport LD_LIBRARY_PATH='" + (prefix() / "lib").string() +
+                         "' PKG_CONFIG_PATH='" + (prefix() / "lib/pkgconfig").string() + "'\n";
+  for (const char* shared : {"OFF", "ON"}) {
+    const Ran ran = run(in + "cmake -B " + shared + " -DBUILD_SHARED_LIBS=" + shared + " -DCMAKE_PREFIX_PATH='" +
+                        prefix().string() + "'\ncmake --build " + shared + "\n" + shared + "/p");
+    CHECK_MESSAGE(ran.output.find("serves 1") != std::string::npos, ran.output);
+  }
+  const Ran ran =
+      run(in + "c++ -std=c++20 " + source.string() + " $(pkg-config --cflags --libs sonoloft-igtl) -o p\n./p");
+  CHECK_MESSAGE(ran.output.find("serves 1") != std::string::npos, ran.output);
+}
+
 TEST_CASE("install: a component that is not there is an error that names those that are") {
   const TemporaryFolder folder;
   static_cast<void>(folder.write("CMakeLists.txt",

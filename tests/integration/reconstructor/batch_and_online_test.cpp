@@ -32,8 +32,7 @@ IndexedMesh reconstruct(const std::vector<TrackedSlice>& slices, const std::vect
   return reconstructor.mesh().indexed();
 }
 
-const std::vector<Detail> kBatch = {}, kOnline = {Detail::full},
-                          kMixed = {Detail::coarse, Detail::draft, Detail::full};
+const std::vector<Detail> kBatch = {}, kOnline = {Detail::full}, kMixed = {Detail::coarse, Detail::draft, Detail::full};
 
 }  // namespace
 

@@ -52,6 +52,26 @@ TEST_CASE("tool demo: organs of 40 freehand slices at full speed have a Dice of 
   CHECK(bytes_of(folder.path("result/mesh.png")).starts_with("\x89PNG"));
 }
 
+TEST_CASE("tool demo: slices that come as masks of 512 pixels give the body that contours give") {
+  const TemporaryFolder folder;
+  nlohmann::json dice[2];
+  for (const int masks : {0, 1}) {
+    const ToolRun run =
+        run_tool(folder, std::string("demo --phantom organs --slices 20 --rate 0 --depth 6 --device cpu "
+                                     "--out result --report r.json") +
+                             (masks != 0 ? " --masks" : ""));
+    REQUIRE_MESSAGE(run.status == 0, run.err);
+    const auto report = json_of(folder.path("r.json"));
+    check_books(report, 20);
+    CHECK(report["slices"]["refused"] == 0);
+    dice[masks] = report["dice"];
+  }
+  MESSAGE("Dice of contours ", dice[0].dump(), ", of masks ", dice[1].dump());
+  for (const char* label : {"1", "2", "3"}) {
+    CHECK(dice[1][label].get<double>() == doctest::Approx(dice[0][label].get<double>()).epsilon(0.01));
+  }
+}
+
 TEST_CASE("tool demo: the same seed gives the same mesh, another one another") {
   const TemporaryFolder folder;
   folder.write("box.off", box_off(30, 40, 60));

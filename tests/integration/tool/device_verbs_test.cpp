@@ -17,6 +17,22 @@ TEST_CASE("tool stats: of a simulated probe every record is accounted for, and i
   }
 }
 
+TEST_CASE("tool send: a file goes to a probe, which keeps it; what is no file, or nothing at all, is named") {
+  const TemporaryFolder folder;
+  folder.write("image.bin", std::string(100'000, 'x'));
+  folder.write("empty.bin", "");
+  for (const char* kind : {"firmware", "calibration"}) {
+    const ToolRun run = run_tool(folder, std::string("send ") + kind + " image.bin --simulated --phantom organs");
+    REQUIRE_MESSAGE(run.status == 0, run.err);
+    CHECK(run.out.find("100000 bytes sent, and kept") != std::string::npos);
+  }
+  CHECK(run_tool(folder, "send firmware empty.bin --simulated --phantom organs").err.find("a blob of 0 bytes") !=
+        std::string::npos);
+  CHECK(run_tool(folder, "send firmware missing.bin --simulated --phantom organs").err.find("missing.bin") !=
+        std::string::npos);
+  CHECK(run_tool(folder, "send poem image.bin --simulated --phantom organs").status == 2);
+}
+
 TEST_CASE("tool calibrate-time: the water tank's answer is within 5 ms of the known one") {
   const auto video = recorded_set("tracked/WaterTankBottomTranslationVideoBuffer.igs.mha");
   const auto tracker = recorded_set("tracked/WaterTankBottomTranslationTrackerBuffer.igs.mha");

@@ -58,8 +58,7 @@ std::pair<Label, float> field_at(const CellComplex& cells, FieldEvaluator& evalu
   REQUIRE(evaluator.evaluate(batch));
   std::pair<Label, float> best{kOutside, -1.0f};
   for (std::uint32_t slot = 0; slot < batch.cells.labels(index).size(); ++slot)
-    if (batch.row(0, slot)[0] > best.second)
-      best = {batch.cells.labels(index)[slot], batch.row(0, slot)[0]};
+    if (batch.row(0, slot)[0] > best.second) best = {batch.cells.labels(index)[slot], batch.row(0, slot)[0]};
   return best;
 }
 

@@ -180,3 +180,22 @@ TEST_CASE("house: the version is stated once") {
     }
   });
 }
+
+TEST_CASE("house: every test that docs/requirements.md names exists") {
+  std::string tests;
+  each_file([](const fs::path& path) { return path.extension() == ".cpp"; },
+            [&](const std::string& path, const std::string& text) {
+              if (path.starts_with("tests/")) tests += text;
+            });
+  const std::string page = content("docs/requirements.md");
+  int named = 0;
+  for (std::size_t open = page.find('"'); open != std::string::npos; ++named) {
+    const std::size_t close = page.find('"', open + 1);
+    REQUIRE(close != std::string::npos);
+    const std::string title = page.substr(open, close - open + 1);
+    CHECK_MESSAGE(tests.find("TEST_CASE(" + title) != std::string::npos, title);
+    open = page.find('"', close + 1);
+  }
+  MESSAGE("tests named: " << named);
+  CHECK(named > 40);
+}

@@ -29,6 +29,8 @@ const std::vector<Row>& table() {
       {"host/device/", {"host/device/", "protocol/", "core/slice/"}},
       {"host/record/", {"host/record/", "host/device/", "protocol/", "core/slice/", "core/io/"}},
       {"host/scan/", {"host/scan/", "host/device/", "core/"}},
+      {"host/igtl/", {"host/igtl/", "host/scan/", "host/device/", "core/"}},
+      {"host/view/", {"host/view/", "host/scan/", "host/device/", "core/"}},
       {"host/simulated/", {"host/simulated/", "host/device/", "core/slice/", "device_sim/"}},
       {"host/capi/", {"host/capi/", "host/simulated/", "host/scan/", "host/device/", "core/"}},
       {"host/apps/", {"host/", "core/", "protocol/", "device_sim/"}},
@@ -56,6 +58,10 @@ const std::vector<Guest>& guests() {
       {{"usbredir"},
        {"device_sim/port/usbredir/", "tests/"},
        "libusbredirparser is named only in device_sim/port/usbredir"},
+      {{"igtlS", "igtl_"}, {"host/igtl/"}, "OpenIGTLink is named only in host/igtl"},
+      {{"boost/asio", "boost/beast"},
+       {"host/view/", "tests/"},
+       "Boost.Asio and Boost.Beast are named only in host/view"},
   };
   return all;
 }

@@ -12,11 +12,11 @@ namespace sonoloft::tool {
 namespace {
 
 /// A run of the scan, until it ends by itself or by Ctrl-C; a line whenever there is something new to say.
-void follow(ScanLog& log) {
+void follow(ScanLog& log, const ScanView& view) {
   std::string told;
   bool end = false;
   while (!end) {
-    end = interrupted() || log.wait_for_end(std::chrono::seconds(1));
+    end = interrupted() || view.stopped() || log.wait_for_end(std::chrono::seconds(1));
     const std::string line = log.progress();
     if (line != told) std::cout << line << std::endl;
     told = line;
@@ -24,19 +24,20 @@ void follow(ScanLog& log) {
 }
 
 /// @return the last mesh, null where there was none
-Result<std::shared_ptr<const MeshUpdate>> run_all(ScanSession& scan, const std::function<bool()>& more) {
+Result<std::shared_ptr<const MeshUpdate>> run_all(ScanSession& scan, const ScanView& view, const IgtlOutput& igtl,
+                                                  const std::function<bool()>& more) {
   constexpr std::chrono::milliseconds kLookAgain{200};
   std::shared_ptr<const MeshUpdate> last;
-  while (!interrupted()) {
+  while (!interrupted() && !view.stopped()) {
     ScanLog log;
-    if (auto started = scan.start(log.callbacks()); !started) {
+    if (auto started = scan.start(igtl.shown(view.shown(log.callbacks()))); !started) {
       const auto code = started.error().code;
       const bool absent = code == ErrorCode::device_not_found || code == ErrorCode::transport_closed;
       if (!absent) return tl::unexpected<Error>(started.error());
       std::this_thread::sleep_for(kLookAgain);
       continue;
     }
-    follow(log);
+    follow(log, view);
     scan.stop();
     if (const auto failure = log.failure()) return fail(ErrorCode::opencl_failed, *failure);
     if (log.last()) last = log.last();
@@ -71,8 +72,9 @@ Result<ScanOptions> scan_options(const ScanSpace& space, device::StreamMode mode
   return options;
 }
 
-Result<IndexedMesh> scan_all(ScanSession& scan, const std::function<bool()>& more) {
-  const auto last = run_all(scan, more);
+Result<IndexedMesh> scan_all(ScanSession& scan, const ScanView& view, const IgtlOutput& igtl,
+                             const std::function<bool()>& more) {
+  const auto last = run_all(scan, view, igtl, more);
   if (!last) return tl::unexpected<Error>(last.error());
   if (!*last) return fail(ErrorCode::empty_input, "no slice came before the scan was stopped: let it run longer");
   IndexedMesh mesh = (*last)->mesh.indexed();

@@ -16,6 +16,8 @@ void add_simulated_probe(CLI::App& verb, SimulatedProbeOptions& options) {
   verb.add_option("--rate", options.plan.rate_hz, "Slices a second; 0: as fast as they are used")
       ->check(finite(0, 1000))
       ->capture_default_str();
+  verb.add_flag("--masks", options.plan.masks,
+                "It sends a label for every pixel instead of contours, as a segmenting network does");
   verb.add_option("--seed", options.plan.seed, "Of the hand that holds the probe, and of noise")
       ->check(finite(0, 1e15))
       ->capture_default_str();

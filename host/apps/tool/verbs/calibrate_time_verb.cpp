@@ -4,7 +4,7 @@
 
 #include "core/tracking/bottom_line.h"
 #include "core/tracking/time_offset.h"
-#include "core/tracking/tracked_sequence.h"
+#include "core/tracking/transform_graph.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/verbs/verbs.h"

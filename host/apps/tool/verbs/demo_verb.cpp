@@ -12,6 +12,8 @@
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/interrupt.h"
+#include "host/apps/tool/live/igtl_output.h"
+#include "host/apps/tool/live/scan_view.h"
 #include "host/apps/tool/phantom/body.h"
 #include "host/apps/tool/phantom/simulated_probe_options.h"
 #include "host/apps/tool/scan_log.h"
@@ -28,10 +30,12 @@ struct DemoOptions {
   SimulatedProbeOptions probe;
   std::optional<double> seconds;
   std::filesystem::path out = "out";
-  std::optional<std::filesystem::path> report, saved_slices;
+  std::optional<std::filesystem::path> labels, report, saved_slices;
   Resolution resolution{7, {}};  ///< coarse enough to follow 10 slices a second on two cores
   Compute compute;
   Admission admission = Admission::news;
+  ViewChoice view;
+  IgtlChoice igtl;
 };
 
 Result<ScanOptions> scan_options(const DemoOptions& demo, const Eigen::AlignedBox3d& body) {
@@ -51,12 +55,12 @@ Result<ScanOptions> scan_options(const DemoOptions& demo, const Eigen::AlignedBo
   return options;
 }
 
-/// Until the data end or Ctrl-C: a line that is rewritten on a terminal, else a line a second.
-void follow(ScanLog& log) {
+/// Until the data end, Ctrl-C or a stop from the page: a line that is rewritten on a terminal, else a line a second.
+void follow(ScanLog& log, const ScanView& view) {
   const bool terminal = isatty(STDOUT_FILENO) == 1;
   const auto show = [&] { std::cout << log.progress() << (terminal ? "    \r" : "\n") << std::flush; };
   auto next_line = std::chrono::steady_clock::now() + std::chrono::seconds(1);
-  while (!interrupted() && !log.wait_for_end(std::chrono::milliseconds(100))) {
+  while (!interrupted() && !view.stopped() && !log.wait_for_end(std::chrono::milliseconds(100))) {
     if (!terminal && std::chrono::steady_clock::now() < next_line) continue;
     next_line += std::chrono::seconds(1);
     show();
@@ -81,10 +85,11 @@ Json ledger_json(const device::Ledger& l) {
           {"closed", l.closed}};
 }
 
-Json labels_json(const std::vector<LabelStatistics>& labels) {
+Json labels_json(const std::vector<LabelStatistics>& labels, const LabelTable& table) {
   Json all = Json::object();
   for (const LabelStatistics& s : labels)
-    all[std::to_string(s.label)] = {{"triangles", s.triangles}, {"volume_ml", s.volume_ml}};
+    all[std::to_string(s.label)] = {
+        {"name", table.name(s.label)}, {"triangles", s.triangles}, {"volume_ml", s.volume_ml}};
   return all;
 }
 
@@ -98,13 +103,14 @@ Result<Json> dice_json(const IndexedMesh& mesh, const Truth& truth, int threads)
   return dice;
 }
 
-std::string text_of(const LabelStatistics& label, const Json& dice) {
-  char text[96];
+std::string text_of(const LabelStatistics& label, const LabelTable& table, const Json& dice) {
+  char figures[64];
   const std::string key = std::to_string(label.label);
-  int size = std::snprintf(text, sizeof text, "label %s  %.4g ml", key.c_str(), label.volume_ml);
+  int size = std::snprintf(figures, sizeof figures, "  %.4g ml", label.volume_ml);
   if (dice.contains(key))
-    std::snprintf(text + size, sizeof text - static_cast<std::size_t>(size), "  Dice %.3f", dice[key].get<double>());
-  return text;
+    std::snprintf(figures + size, sizeof figures - static_cast<std::size_t>(size), "  Dice %.3f",
+                  dice[key].get<double>());
+  return table.name(label.label) + figures;
 }
 
 void print(const char* what, const Percentiles& ms) {
@@ -113,8 +119,8 @@ void print(const char* what, const Percentiles& ms) {
   std::cout << line << '\n';
 }
 
-void print(const Json& report, const std::vector<LabelStatistics>& labels) {
-  for (const LabelStatistics& label : labels) std::cout << text_of(label, report["dice"]) << '\n';
+void print(const Json& report, const std::vector<LabelStatistics>& labels, const LabelTable& table) {
+  for (const LabelStatistics& label : labels) std::cout << text_of(label, table, report["dice"]) << '\n';
   for (const char* group : {"slices", "ledger"}) {
     std::cout << group << ':';
     for (const auto& [key, value] : report[group].items()) std::cout << "  " << key << ' ' << value;
@@ -158,19 +164,20 @@ std::vector<Label> glass_of(const std::vector<LabelStatistics>& labels) {
 }
 
 Result<void> write_results(const DemoOptions& demo, const IndexedMesh& mesh, const Confidence& confidence,
-                           const std::vector<LabelStatistics>& labels, const Json& report) {
+                           const std::vector<LabelStatistics>& labels, const LabelTable& table, const Json& report) {
   const auto mesh_file = demo.out / "mesh.ply", picture_file = demo.out / "mesh.png";
-  if (auto written = write_mesh(mesh, mesh_file, {confidence.measured, confidence.distance_mm}); !written)
+  if (auto written = write_mesh(mesh, mesh_file, table, {confidence.measured, confidence.distance_mm}); !written)
     return written;
   std::vector<LegendLine> legend;
-  for (const LabelStatistics& label : labels) legend.push_back({label.label, text_of(label, report["dice"])});
-  auto drawn = write_picture(mesh, std::move(legend), glass_of(labels), picture_file, demo.compute.threads);
+  for (const LabelStatistics& label : labels) legend.push_back({label.label, text_of(label, table, report["dice"])});
+  auto drawn = write_picture(mesh, table, std::move(legend), glass_of(labels), picture_file, demo.compute.threads);
   if (!drawn) return drawn;
   std::cout << "written: " << mesh_file.string() << ", " << picture_file.string() << '\n';
   return demo.report ? write_report(report, *demo.report) : Result<void>{};
 }
 
-Result<void> judge(const DemoOptions& demo, const Truth& truth, const ScanLog& log, const ScanSession& scan) {
+Result<void> judge(const DemoOptions& demo, const LabelTable& table, const Truth& truth, const ScanLog& log,
+                   const ScanSession& scan) {
   if (const auto failure = log.failure()) return fail(ErrorCode::opencl_failed, *failure);
   const auto last = log.last();
   if (!last) return fail(ErrorCode::empty_input, "no slice came before the scan was stopped: let it run longer");
@@ -185,7 +192,7 @@ Result<void> judge(const DemoOptions& demo, const Truth& truth, const ScanLog& l
                        {"device", scan.field_device()},
                        {"slices", slices_json(scan.counts())},
                        {"dice", *dice},
-                       {"labels", labels_json(last->labels)},
+                       {"labels", labels_json(last->labels, table)},
                        {"triangles", mesh.triangles.size()},
                        {"cells", last->size.cells},
                        {"coverage", coverage_json(coverage)},
@@ -195,15 +202,17 @@ Result<void> judge(const DemoOptions& demo, const Truth& truth, const ScanLog& l
                        {"ledger", ledger_json(scan.ledger())}};
   print("latency", latency);
   print("insert", insert);
-  print(report, last->labels);
+  print(report, last->labels, table);
   print(coverage);
-  return write_results(demo, mesh, scan.confidence(mesh.positions), last->labels, report);
+  return write_results(demo, mesh, scan.confidence(mesh.positions), last->labels, table, report);
 }
 
 Result<void> run_demo(DemoOptions demo) {
   if (demo.seconds)
     demo.probe.plan.slices =
         static_cast<std::uint32_t>(std::max(1.0, std::round(*demo.seconds * demo.probe.plan.rate_hz)));
+  const auto labels = read_labels(demo.labels);
+  if (!labels) return tl::unexpected<Error>(labels.error());
   const auto body = load_body(demo.probe.phantom, demo.probe.data);
   if (!body) return tl::unexpected<Error>(body.error());
   const auto options = scan_options(demo, body->source->bounds());
@@ -215,13 +224,19 @@ Result<void> run_demo(DemoOptions demo) {
   if (!scan) return tl::unexpected<Error>(scan.error());
   std::cout << demo.probe.phantom << ": " << (*device)->slices() << " slices, finest cells of "
             << options->reconstructor.spacing_mm << " mm, field on " << (*scan)->field_device() << std::endl;
+  const auto view = ScanView::open(demo.view, **scan, *labels);
+  if (!view) return tl::unexpected<Error>(view.error());
+  const auto igtl = IgtlOutput::open(demo.igtl, *labels);
+  if (!igtl) return tl::unexpected<Error>(igtl.error());
   note_interrupts();
-  if (auto started = (*scan)->start(log.callbacks()); !started) return started;
-  follow(log);
+  if (auto started = (*scan)->start(igtl->shown(view->shown(log.callbacks()))); !started) return started;
+  follow(log, *view);
   (*scan)->stop();
   if (demo.saved_slices)
     if (auto written = write_csl((*device)->sent(), *demo.saved_slices); !written) return written;
-  return judge(demo, body->truth, log, **scan);
+  auto judged = judge(demo, *labels, body->truth, log, **scan);
+  if (judged) view->linger();
+  return judged;
 }
 
 }  // namespace
@@ -237,9 +252,12 @@ void add_demo(CLI::App& app, Task& task) {
   verb->add_option("--out", demo->out, "Folder for mesh.ply and mesh.png")->capture_default_str();
   verb->add_option("--save-slices", demo->saved_slices, "Write the slices that were sent into this CSL file")
       ->check(ends_in(".csl"));
+  add_labels(*verb, demo->labels);
   add_resolution(*verb, demo->resolution);
   add_admission(*verb, demo->admission);
   add_compute(*verb, demo->compute);
+  add_view(*verb, demo->view);
+  add_igtl(*verb, demo->igtl);
   add_report(*verb, demo->report);
   verb->callback([&task, demo] {
     if (demo->seconds && demo->probe.plan.rate_hz == 0)

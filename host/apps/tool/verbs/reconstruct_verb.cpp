@@ -4,12 +4,12 @@
 #include <set>
 #include <utility>
 
-#include "core/io/slices/slice_files.h"
 #include "core/reconstructor/reconstructor.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/mesh_output.h"
 #include "host/apps/tool/mesher.h"
+#include "host/apps/tool/slice_input.h"
 #include "host/apps/tool/verbs/verbs.h"
 
 namespace sonoloft::tool {
@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 struct ReconstructOptions {
-  std::filesystem::path input;
+  SliceInput input;
   MeshOutput output;
   bool online = false;
   Admission admission = Admission::everything;
@@ -28,7 +28,7 @@ struct ReconstructOptions {
   Mesher mesher = Mesher::live;
   Resolution resolution;
   Compute compute;
-  std::optional<std::filesystem::path> report, picture;
+  std::optional<std::filesystem::path> labels, report, picture;
 };
 
 double ms_since(Clock::time_point start) {
@@ -57,10 +57,6 @@ struct SliceOutcomes {
     return outcome == SliceOutcome::inserted ? inserted : outcome == SliceOutcome::explained ? explained : merged;
   }
 };
-
-Result<SliceFile> load(const std::filesystem::path& path) {
-  return path.extension() == ".contour" ? read_contour(path) : read_csl(path);
-}
 
 Result<Reconstructor> prepare(const ReconstructOptions& o, std::span<const TrackedSlice> slices) {
   auto options = options_for(slices, o.resolution.depth);
@@ -107,23 +103,25 @@ Result<SliceOutcomes> reconstruct(std::span<const TrackedSlice> slices, bool onl
   return outcomes;
 }
 
-Json input_json(std::span<const TrackedSlice> slices) {
+Json input_json(const LoadedSlices& loaded) {
   std::size_t vertices = 0;
   std::set<Label> labels;
-  for (const TrackedSlice& slice : slices) {
+  for (const TrackedSlice& slice : loaded.slices) {
     std::set<std::pair<double, double>> distinct;  // contours that touch share vertices
     for (const Eigen::Vector2d& p : slice.points) distinct.emplace(p.x(), p.y());
     vertices += distinct.size();
     for (const Contour& contour : slice.contours)
       if (!contour.hole && contour.label != kUnknown && contour.label != kOutside) labels.insert(contour.label);
   }
-  return {{"planes", slices.size()}, {"vertices", vertices}, {"labels", labels.size()}};
+  Json input = {{"planes", loaded.slices.size()}, {"vertices", vertices}, {"labels", labels.size()}};
+  if (!loaded.frames.is_null()) input["frames"] = loaded.frames;
+  return input;
 }
 
-Json report_json(std::span<const TrackedSlice> slices, const SliceOutcomes& outcomes, const Reconstructor& r,
-                 Mesher mesher, std::size_t triangles, const Times& t) {
+Json report_json(const LoadedSlices& loaded, const SliceOutcomes& outcomes, const Reconstructor& r, Mesher mesher,
+                 const IndexedMesh& mesh, const LabelTable& labels, const Times& t) {
   const ReconstructorCounts counts = r.counts();
-  return {{"input", input_json(slices)},
+  return {{"input", input_json(loaded)},
           {"slices",
            {{"inserted", outcomes.inserted},
             {"explained", outcomes.explained},
@@ -135,7 +133,8 @@ Json report_json(std::span<const TrackedSlice> slices, const SliceOutcomes& outc
           {"samples", counts.samples},
           {"leaves", counts.leaves},
           {"mesher", mesher == Mesher::live ? "live" : "delaunay"},
-          {"triangles", triangles},
+          {"triangles", mesh.triangles.size()},
+          {"labels", labels_json(mesh, labels)},
           {"device", r.device_name()},
           {"times_ms",
            {{"load", t.load},
@@ -156,9 +155,11 @@ void print(const Json& report) {
 }
 
 Result<void> run_reconstruct(const ReconstructOptions& o) {
+  const auto labels = read_labels(o.labels);
+  if (!labels) return tl::unexpected<Error>(labels.error());
   Times times;
   auto start = Clock::now();
-  const auto file = load(o.input);
+  const auto file = load_slices(o.input);
   if (!file) return tl::unexpected<Error>(file.error());
   times.load = ms_since(start);
   start = Clock::now();
@@ -174,12 +175,15 @@ Result<void> run_reconstruct(const ReconstructOptions& o) {
   if (!mesh) return tl::unexpected<Error>(mesh.error());
   times.total = ms_since(start);
 
-  const Json report = report_json(file->slices, *outcomes, *reconstructor, o.mesher, mesh->triangles.size(), times);
+  const Json report = report_json(*file, *outcomes, *reconstructor, o.mesher, *mesh, *labels, times);
   print(report);
-  if (auto written = write_output(*mesh, o.output, reconstructor->samples().spacing_mm(), o.compute.threads); !written)
+  if (auto written = write_output(*mesh, o.output, *labels, reconstructor->samples().spacing_mm(), o.compute.threads);
+      !written)
     return written;
   if (o.picture)
-    if (auto drawn = write_picture(*mesh, {}, {}, *o.picture, o.compute.threads); !drawn) return drawn;
+    if (auto drawn = write_picture(*mesh, *labels, legend_of(*mesh, *labels), {}, *o.picture, o.compute.threads);
+        !drawn)
+      return drawn;
   return o.report ? write_report(report, *o.report) : Result<void>{};
 }
 
@@ -188,10 +192,9 @@ Result<void> run_reconstruct(const ReconstructOptions& o) {
 void add_reconstruct(CLI::App& app, Task& task) {
   auto* verb = app.add_subcommand("reconstruct", "Makes a mesh of recorded slices");
   auto options = std::make_shared<ReconstructOptions>();
-  verb->add_option("input", options->input, "Recorded slices: .csl or .contour")
-      ->required()
-      ->check(ends_in(".csl,.contour"));
+  add_slice_input(*verb, options->input);
   add_mesh_output(*verb, options->output);
+  add_labels(*verb, options->labels);
   verb->add_flag("--online", options->online, "Bring the mesh up to date after every slice, as a live scan does");
   verb->add_option("--picture", options->picture, "Draw the mesh into this PNG file")->check(ends_in(".png"));
   auto* completion = verb->add_option_function<std::string>(

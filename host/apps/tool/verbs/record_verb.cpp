@@ -31,8 +31,7 @@ class RunEnd {
     if (event.kind != device::EventKind::end_of_data) std::cerr << "sonoloft: " << event.message << '\n';
     const std::lock_guard lock(mutex_);
     data_ended_ |= event.kind == device::EventKind::end_of_data;
-    ended_ |=
-        data_ended_ || event.kind == device::EventKind::disconnected || event.kind == device::EventKind::device_fault;
+    ended_ |= ends_run(event.kind);
     changed_.notify_all();
   }
   bool wait(std::chrono::milliseconds patience) {

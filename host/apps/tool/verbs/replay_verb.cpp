@@ -17,9 +17,11 @@ namespace {
 
 struct ReplayOptions {
   std::filesystem::path recording;
-  std::optional<std::filesystem::path> output;
+  std::optional<std::filesystem::path> output, labels;
   double speed = 1;  ///< 0: as fast as slices are used
   ScanSpace space;
+  ViewChoice view;
+  IgtlChoice igtl;
 };
 
 /// FNV-1a over positions, triangles and labels: equal for meshes that are equal byte for byte.
@@ -43,6 +45,8 @@ void print(const record::RecordingFacts& facts) {
 }
 
 Result<void> run_replay(const ReplayOptions& replay) {
+  const auto labels = read_labels(replay.labels);
+  if (!labels) return tl::unexpected<Error>(labels.error());
   const auto options = scan_options(replay.space, device::StreamMode::lossless);
   if (!options) return tl::unexpected<Error>(options.error());
   auto opened = record::ReplayTransport::open(replay.recording, replay.speed);
@@ -51,12 +55,19 @@ Result<void> run_replay(const ReplayOptions& replay) {
   print(transport.facts());
   const auto scan = ScanSession::open(std::move(*opened), *options);
   if (!scan) return tl::unexpected<Error>(scan.error());
+  const auto view = ScanView::open(replay.view, **scan, *labels);
+  if (!view) return tl::unexpected<Error>(view.error());
+  const auto igtl = IgtlOutput::open(replay.igtl, *labels);
+  if (!igtl) return tl::unexpected<Error>(igtl.error());
   note_interrupts();
-  const auto mesh = scan_all(**scan, [&] { return transport.more(); });
+  const auto mesh = scan_all(**scan, *view, *igtl, [&] { return transport.more(); });
   if (!mesh) return tl::unexpected<Error>(mesh.error());
   std::printf("mesh %016llx  %zu vertices  %zu triangles\n", 0ull + hash(*mesh), mesh->positions.size(),
               mesh->triangles.size());
-  return replay.output ? write_mesh(*mesh, *replay.output) : Result<void>();
+  if (replay.output)
+    if (auto written = write_mesh(*mesh, *replay.output, *labels); !written) return written;
+  view->linger();
+  return {};
 }
 
 }  // namespace
@@ -67,12 +78,15 @@ void add_replay(CLI::App& app, Task& task) {
   verb->add_option("recording", replay->recording, "File that `sonoloft record` wrote")->required();
   verb->add_option("-o,--output", replay->output, std::string("Mesh to write: ") + kMeshSuffixes)
       ->check(ends_in(kMeshSuffixes));
+  add_labels(*verb, replay->labels);
   verb->add_option_function<std::string>(
           "--speed", [replay](const std::string& text) { replay->speed = text == "max" ? 0 : std::stod(text); },
           "Times as fast as it was recorded; max: as fast as slices are used")
       ->check(finite(1e-3, 1e3) | CLI::IsMember({"max"}))
       ->default_str("1");
   add_scan_space(*verb, replay->space);
+  add_view(*verb, replay->view);
+  add_igtl(*verb, replay->igtl);
   verb->callback([&task, replay] { task = [replay] { return run_replay(*replay); }; });
 }
 

@@ -64,6 +64,7 @@ void print(const device::Statistics& s, double seconds) {
   for (std::size_t i = 1; i < s.rejected.size(); ++i) {
     if (s.rejected[i] != 0) line(protocol::name(static_cast<protocol::Reject>(i)), s.rejected[i]);
   }
+  if (s.events_lost != 0) line("events lost", s.events_lost);
   std::printf("%-20s %.1f a second\n", "slices", static_cast<double>(l.delivered) / seconds);
   if (!s.clock) return;
   std::printf("device's clock       drift %.2f ppm, round trip %.3f ms, mapped to within %.3f ms\n", s.clock->drift_ppm,

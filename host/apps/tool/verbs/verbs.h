@@ -21,7 +21,9 @@ void add_record(CLI::App& app, Task& task);
 void add_replay(CLI::App& app, Task& task);
 void add_devices(CLI::App& app, Task& task);
 void add_probe(CLI::App& app, Task& task);
+void add_send(CLI::App& app, Task& task);
 void add_stats(CLI::App& app, Task& task);
+void add_view_verb(CLI::App& app, Task& task);
 void add_calibrate_time(CLI::App& app, Task& task);
 
 }  // namespace sonoloft::tool

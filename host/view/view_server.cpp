@@ -108,6 +108,10 @@ void ViewServer::show(std::string state, bool running) {
   state_->hand_over(ScanState{std::move(state), running});
 }
 
+void ViewServer::show(ViewRecording recording) {
+  state_->hand_over(std::move(recording));
+}
+
 ViewFigures ViewServer::figures() const {
   const Service& s = *state_->service;
   return {s.viewer_count, s.bricks_sent, s.messages_sent, s.bytes_sent, s.refused};

@@ -32,6 +32,17 @@ struct ViewSource {
   std::function<Confidence(std::span<const Eigen::Vector3f>)> confidence;
   std::function<device::Ledger()> ledger;
   std::function<void()> stop;  ///< the scan is to end; to be noted, not done, in the call
+  /// The scan is to be recorded, or no longer; to be noted, not done, in the call.
+  std::function<void(bool recording)> record;
+};
+
+/// How far the recording is that a page asked for, or what became of it.
+struct ViewRecording {
+  std::string file;  ///< its name
+  bool running = false;
+  double seconds = 0;
+  std::uint64_t records = 0, not_recorded = 0;
+  std::string failure;  ///< one line; empty: none
 };
 
 struct ViewFigures {
@@ -63,8 +74,10 @@ class ViewServer {
   /// The slice from now on, and a step of the probe's path. One without a sound pose is not shown.
   void show(std::shared_ptr<const device::DeliveredSlice> slice);
   /// What goes on, in a few words, e.g. "scanning".
-  /// @param running  there is a scan to be stopped
+  /// @param running  there is a scan to be stopped, or recorded
   void show(std::string state, bool running = false);
+  /// The recording from now on.
+  void show(ViewRecording recording);
 
   [[nodiscard]] ViewFigures figures() const;
 

@@ -24,6 +24,12 @@ bool Inbox::put(ScanState state) {
   return std::exchange(empty_, false);
 }
 
+bool Inbox::put(ViewRecording recording) {
+  const std::lock_guard lock(mutex_);
+  news_.recording = std::move(recording);
+  return std::exchange(empty_, false);
+}
+
 News Inbox::take() {
   const std::lock_guard lock(mutex_);
   empty_ = true;

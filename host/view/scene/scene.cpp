@@ -43,6 +43,11 @@ Json ledger_json(const device::Ledger& l) {
           {"device_dropped", l.device_dropped}};
 }
 
+Json recording_json(const ViewRecording& r) {
+  return {{"file", r.file},       {"running", r.running},           {"seconds", r.seconds},
+          {"records", r.records}, {"not_recorded", r.not_recorded}, {"failure", r.failure}};
+}
+
 /// The loops of a slice in the reference frame; `first` and `count` are in points that were appended.
 class LoopWriter {
  public:
@@ -75,6 +80,7 @@ const char* name(Detail detail) {
 void Scene::take(const News& news) {
   ++stamp_;
   if (news.state) state_ = *news.state;
+  if (news.recording) recording_ = news.recording;
   if (news.slice) {
     slice_ = news.slice;
     slices_ = stamp_;
@@ -93,7 +99,9 @@ void Scene::take(const News& news) {
 Json Scene::status() const {
   Json status = {{"state", state_.words},
                  {"stop", state_.running && source_.stop},
+                 {"record", state_.running && source_.record},
                  {"measured", static_cast<bool>(source_.confidence)}};
+  if (recording_) status["recording"] = recording_json(*recording_);
   if (source_.ledger) status["ledger"] = ledger_json(source_.ledger());
   if (!mesh_) return status;
   status["labels"] = labels_json(*mesh_, source_.labels);

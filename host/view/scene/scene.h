@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "host/view/scene/bricks.h"
@@ -52,6 +53,7 @@ class Scene {
   std::shared_ptr<const MeshUpdate> mesh_;
   std::shared_ptr<const device::DeliveredSlice> slice_;
   ScanState state_;
+  std::optional<ViewRecording> recording_;
   double latency_ms_ = 0;
   std::deque<std::chrono::steady_clock::time_point> arrivals_;  ///< of the last slices with a mesh
 };

@@ -60,6 +60,8 @@ bool Viewer::obey(std::string_view word) {
     wants_ = true;
   } else if (word == "stop" && service_.source.stop) {
     service_.source.stop();
+  } else if ((word == "record" || word == "record-end") && service_.source.record) {
+    service_.source.record(word == "record");
   } else if (word == "measured" && service_.source.confidence) {
     cursor_.measured = true;
     cursor_.bricks = 0;  // all bricks anew, with their confidence

@@ -24,7 +24,8 @@ int wrong_pixels(const TrackedSlice& slice, const OwnedWireSlice& sent) {
   const auto section = make_section(slice);
   REQUIRE(section);
   const auto& grid = sent.slice.mask_grid;
-  const auto calibration = test_calibration().image_to_probe;
+  const auto message = test_calibration();
+  const double* calibration = message.image_to_probe;
   const Eigen::Vector2d pixel_mm(std::hypot(calibration[0], calibration[4]),
                                  std::hypot(calibration[1], calibration[5]));
   int at = 0, wrong = 0;

@@ -92,6 +92,24 @@ if (scenario === 'scan') {
   await first.focus('#stop');
   await first.keyboard.press('Enter');
   await first.waitForFunction(() => document.getElementById('state').textContent === 'stopped');
+} else if (scenario === 'record') {
+  const page = await open(desktop, 'light'), phone_page = await open(phone, 'dark', {hasTouch: true, isMobile: true});
+  const all = (text) => Promise.all([page, phone_page].map((p) => p.waitForFunction(
+      (t) => new RegExp(t).test(document.getElementById('recording').textContent), text)));
+  await page.waitForFunction(() => !document.getElementById('record').hidden);
+  report.before = await pressed(page, 'record');
+  await page.keyboard.press('e');
+  await all('^recording recording-1.mcap, [0-9]+ s, [0-9]{2,} records$');
+  report.during = [await pressed(page, 'record'), await pressed(phone_page, 'record')];
+  await shot(page, 'desktop-light-recording');
+  await shot(phone_page, 'phone-dark-recording');
+  await phone_page.focus('#record');
+  await phone_page.keyboard.press('Enter');
+  await all('^recording-1.mcap, [0-9]+ s, [0-9]+ records$');
+  report.after = await pressed(page, 'record');
+  report.errors = [...errors];  // that the program may be gone after this is none
+  await page.click('#stop');
+  await page.waitForFunction(() => document.getElementById('state').textContent !== 'scanning');
 } else {
   const page = await open(desktop, 'light'), frozen = await open(desktop, 'light');
   await frozen.waitForFunction(() => window.sonoloft.counts.bricks > 0);

@@ -13,6 +13,7 @@
 #include <numbers>
 #include <thread>
 
+#include "tests/integration/view/browser.h"
 #include "tests/integration/view/scene_client.h"
 #include "tests/integration/view/view_support.h"
 
@@ -21,36 +22,6 @@ using namespace sonoloft::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-const fs::path kFolder = SONOLOFT_VIEW_FOLDER;
-
-bool browser_is_there() {
-  const bool there = fs::exists("/usr/bin/chromium") && fs::exists(SONOLOFT_PAGE_MODULES "/playwright-core") &&
-                     std::system("node --version > /dev/null 2>&1") == 0;
-  if (!there)
-    MESSAGE("SKIP: no /usr/bin/chromium, node or " SONOLOFT_PAGE_MODULES
-            "/playwright-core: apt install chromium, ./run build");
-  return there;
-}
-
-/// Starts the browser; the future has its exit status.
-std::future<int> drive(const view::ViewServer& server, const std::string& scenario, int seconds = 0) {
-  fs::create_directories(kFolder);
-  fs::remove(kFolder / (scenario + ".json"));
-  const std::string command = "timeout " + std::to_string(300 + 2 * seconds) +
-                              " node tests/integration/view/drive_page.mjs '" SONOLOFT_PAGE_MODULES "' '" +
-                              server.url() + "' " + scenario + " '" + kFolder.string() + "' " + std::to_string(seconds);
-  return std::async(std::launch::async, [command] { return std::system(command.c_str()); });
-}
-
-nlohmann::json report_of(const std::string& scenario) {
-  std::ifstream file(kFolder / (scenario + ".json"));
-  return nlohmann::json::parse(file, nullptr, false);
-}
-
-bool done(const std::future<int>& browser) {
-  return browser.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-}
 
 void wait_for_viewers(const view::ViewServer& server, std::size_t count, const std::future<int>& browser) {
   while (server.figures().viewers < count && !done(browser)) std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -93,7 +64,7 @@ TEST_CASE("view: the page follows a scan, late pages catch up, keys do what they
   const auto server = open_server(std::move(source));
   if (!server) return;
 
-  auto browser = drive(*server, "scan");
+  auto browser = drive(server->url(), "scan");
   wait_for_viewers(*server, 1, browser);
   std::atomic<double> first_slice_ms = 0;
   ScanInbox inbox([&](const MeshUpdate&) {});
@@ -131,7 +102,7 @@ TEST_CASE("view: the page follows a scan, late pages catch up, keys do what they
   CHECK(distance.ends_with(" mm"));  // between two points of the ball, 15 degrees apart
   CHECK(std::stod(distance) == doctest::Approx(2 * kBallRadius_mm * std::sin(std::numbers::pi / 24)).epsilon(0.1));
   CHECK(report["keys"]["picture"].get<std::string>().starts_with("sonoloft-"));
-  CHECK(fs::file_size(kFolder / "picture.png") > 10'000);
+  CHECK(fs::file_size(kPageFolder / "picture.png") > 10'000);
   CHECK(report["names"].size() >= 20);
   for (const auto& control : report["names"]) CHECK(!control.get<std::string>().ends_with(' '));
 }
@@ -145,7 +116,7 @@ TEST_CASE("view: a frozen page and a viewer that never reads cost the others not
   const auto updates = ball_updates(48);
   SceneClient silent(port_of(*server));
   silent.say("next");  // and reads no answer
-  auto browser = drive(*server, "loop", seconds);
+  auto browser = drive(server->url(), "loop", seconds);
   std::vector<double> resident;
   std::uint64_t rounds = 0;
   for (; !done(browser); ++rounds) {

@@ -189,8 +189,8 @@ TEST_CASE("view: what makes no sense is refused, and the others see on") {
   CHECK(status("GET /" + head + "Content-Length: 99999999999\r\n\r\n").empty());
   CHECK(status(std::string(1000, '\0')).empty());
   SceneClient sound(port);
-  for (const std::string& word :
-       {std::string("stop"), std::string("measured"), std::string("?"), std::string(1 << 20, 'n')}) {
+  for (const std::string& word : {std::string("stop"), std::string("record"), std::string("measured"), std::string("?"),
+                                  std::string(1 << 20, 'n')}) {
     SceneClient rude(port);
     try {
       rude.say(word);
@@ -207,7 +207,9 @@ TEST_CASE("view: what makes no sense is refused, and the others see on") {
 
 TEST_CASE("view: a page can end the scan where the program lets it") {
   std::atomic<int> stops = 0;
-  const auto server = open_server({{}, {}, {}, [&] { ++stops; }});
+  view::ViewSource source;
+  source.stop = [&] { ++stops; };
+  const auto server = open_server(std::move(source));
   if (!server) return;
   SceneClient viewer(port_of(*server));
   server->show("scanning", true);
@@ -218,6 +220,35 @@ TEST_CASE("view: a page can end the scan where the program lets it") {
   CHECK(head["state"] == "over");
   CHECK(head["stop"] == false);
   CHECK(stops == 1);
+}
+
+TEST_CASE("view: a page can have the scan recorded where the program lets it, and all pages see what comes of it") {
+  std::atomic<int> begun = 0, ended = 0;
+  view::ViewSource source;
+  source.record = [&](bool recording) { ++(recording ? begun : ended); };
+  const auto server = open_server(std::move(source));
+  if (!server) return;
+  SceneClient viewer(port_of(*server)), other(port_of(*server));
+  server->show("waiting for the probe");
+  CHECK(viewer.catch_up().head["record"] == false);
+  server->show("scanning", true);
+  const nlohmann::json before = viewer.catch_up().head;
+  CHECK(before["record"] == true);
+  CHECK(!before.contains("recording"));
+  viewer.say("record");
+  viewer.say("record-end");
+  server->show(view::ViewRecording{"recording-1.mcap", true, 2.5, 50, 1, "the disk is full"});
+  for (SceneClient* page : {&viewer, &other}) {
+    const nlohmann::json recording = page->catch_up().head["recording"];
+    CHECK(recording == nlohmann::json{{"file", "recording-1.mcap"},
+                                      {"running", true},
+                                      {"seconds", 2.5},
+                                      {"records", 50},
+                                      {"not_recorded", 1},
+                                      {"failure", "the disk is full"}});
+  }
+  CHECK(begun == 1);
+  CHECK(ended == 1);
 }
 
 TEST_CASE("view: how sure the surface is comes when it is asked for, and grows old nowhere") {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <string>
 
+#include "tests/integration/view/browser.h"
 #include "tests/integration/view/scene_client.h"
 #include "tests/integration/view/view_support.h"
 #include "tests/support/temporary_folder.h"
@@ -76,11 +77,12 @@ TEST_CASE("view: `sonoloft view` shows a mesh of a file until Ctrl-C") {
 TEST_CASE("view: `sonoloft demo --view` ends its scan by the page, writes its mesh and still shows it") {
   if (!open_server()) return;
   const TemporaryFolder folder;
-  RunningTool tool("demo --phantom organs --depth 5 --rate 20 --slices 100000 --view --view-port 0 --out '" +
+  // Enough of the body that a mesh is left whatever detail the last one has.
+  RunningTool tool("demo --phantom organs --depth 6 --rate 10 --slices 300 --view --view-port 0 --out '" +
                    folder.path("out").string() + "'");
   SceneClient viewer(tool.port());
   SceneMessage got = viewer.catch_up();
-  while (got.head["bricks"]["all"] == 0) got = viewer.catch_up();
+  while (got.head["slices"]["delivered"] < 60 || got.head["bricks"]["all"] == 0) got = viewer.catch_up();
   CHECK(got.head["stop"] == true);
   CHECK(got.head["ledger"]["made"] > 0);
   CHECK(got.head["slices"]["delivered"] > 0);
@@ -90,6 +92,72 @@ TEST_CASE("view: `sonoloft demo --view` ends its scan by the page, writes its me
   while (got.head["state"] != "the scan is over") got = viewer.catch_up();
   CHECK(got.head["stop"] == false);
   CHECK(tool.interrupt() == 0);
+}
+
+TEST_CASE("view: the scan is recorded from the page, and what was recorded replays") {
+  if (!open_server() || !browser_is_there()) return;
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return folder.path(name).string(); };
+  RunningTool tool("demo --phantom organs --depth 5 --rate 20 --slices 100000 --view --view-port 0 --out '" +
+                   path("out") + "'");
+  auto browser = drive("http://127.0.0.1:" + std::to_string(tool.port()), "record");
+  REQUIRE(browser.get() == 0);
+  const nlohmann::json report = report_of("record");
+  MESSAGE(report.dump());
+  CHECK(report["errors"].empty());
+  CHECK(report["before"] == "false");
+  CHECK(report["during"] == nlohmann::json{"true", "true"});
+  CHECK(report["after"] == "false");
+  CHECK(tool.line("recorded: " + path("out/recording-1.mcap")).ends_with(" 0 not recorded\n"));
+
+  RunningTool replay("replay '" + path("out/recording-1.mcap") + "' --speed max --resolution-mm 8");
+  const std::string facts = replay.line();
+  CHECK(std::stoi(facts) >= 10);
+  CHECK(facts.find("records, 1 run,") != std::string::npos);
+  int slices = 0;
+  for (std::string line = replay.line(); !line.empty(); line = replay.line())
+    if (line.find(" slices ") != std::string::npos) slices = std::stoi(line);
+  MESSAGE(slices << " slices of " << facts);
+  CHECK(slices > 0);
+}
+
+TEST_CASE("view: recordings get the first free number, and a replay is not recorded again") {
+  if (!open_server()) return;
+  const TemporaryFolder folder;
+  folder.write("recording-1.mcap", "somebody's");
+  const std::string output = folder.path("mesh.ply").string();
+  RunningTool tool(
+      "scan --simulated --phantom organs --rate 20 --slices 100000 --resolution-mm 8 --view --view-port 0 " +
+      ("-o '" + output + "'"));
+  SceneClient viewer(tool.port());
+  const auto wait_for = [&](bool running) {
+    SceneMessage got = viewer.catch_up();
+    while (!got.head.contains("recording") || got.head["recording"]["running"] != running ||
+           got.head["recording"]["records"] == 0)
+      got = viewer.catch_up();
+    return got.head["recording"]["file"].get<std::string>();
+  };
+  while (viewer.catch_up().head["record"] != true) continue;
+  for (const char* name : {"recording-2.mcap", "recording-3.mcap"}) {
+    viewer.say("record");
+    viewer.say("record");  // that of another page, which is late
+    CHECK(wait_for(true) == name);
+    viewer.say("record-end");
+    CHECK(wait_for(false) == name);
+  }
+  viewer.say("record");
+  CHECK(wait_for(true) == "recording-4.mcap");
+  viewer.say("stop");
+  for (const char* name : {"recording-2.mcap", "recording-3.mcap", "recording-4.mcap"})
+    CHECK(tool.line("recorded: ").find(name) != std::string::npos);
+  CHECK(std::filesystem::file_size(folder.path("recording-1.mcap")) == 10);
+
+  RunningTool replay("replay '" + folder.path("recording-4.mcap").string() + "' --speed 0.001 --view --view-port 0");
+  SceneClient again(replay.port());
+  nlohmann::json head = again.catch_up().head;
+  while (head["state"] != "scanning") head = again.catch_up().head;
+  CHECK(head["stop"] == true);
+  CHECK(head["record"] == false);
 }
 
 TEST_CASE("view: a port that is taken is an error where it was asked for, and avoided where it was not") {

@@ -23,9 +23,10 @@ struct Delivered {
 };
 
 /// A run up to its end, lossless.
-inline Delivered run_to_end(device::Session& session, device::EventKind end = device::EventKind::end_of_data) {
+inline Delivered run_to_end(device::Session& session, device::EventKind end = device::EventKind::end_of_data,
+                            std::size_t queue_capacity = 64) {
   Inbox inbox;
-  const auto started = session.start({device::StreamMode::lossless, 64}, inbox.callbacks());
+  const auto started = session.start({device::StreamMode::lossless, queue_capacity}, inbox.callbacks());
   if (!started) FAIL(started.error().message);
   REQUIRE(inbox.wait_for(end));
   session.stop();

@@ -34,14 +34,21 @@ void wait_for_interrupt() {
   while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
 }
 
-Result<ScanView> ScanView::open(const ViewChoice& choice, const ScanSession& scan, const LabelTable& labels) {
+Result<ScanView> ScanView::open(const ViewChoice& choice, const ScanSession& scan, const LabelTable& labels,
+                                std::unique_ptr<ScanRecorder> recorder) {
   ScanView view;
   if (!choice.view) return view;
-  auto server =
-      open_view(choice.options, {labels, [&scan](auto points) { return scan.confidence(points); },
-                                 [&scan] { return scan.ledger(); }, [stopped = view.stopped_] { *stopped = true; }});
+  view::ViewSource source{labels,
+                          [&scan](auto points) { return scan.confidence(points); },
+                          [&scan] { return scan.ledger(); },
+                          [stopped = view.stopped_] { *stopped = true; },
+                          {}};
+  if (recorder) source.record = [recorder = recorder.get()](bool recording) { recorder->ask(recording); };
+  auto server = open_view(choice.options, std::move(source));
   if (!server) return tl::unexpected<Error>(server.error());
   view.server_ = std::move(*server);
+  view.recorder_ = std::move(recorder);
+  if (view.recorder_) view.recorder_->show_on(view.server_);
   view.server_->show("waiting for the probe");
   return view;
 }
@@ -71,6 +78,7 @@ ScanCallbacks ScanView::shown(ScanCallbacks callbacks) const {
 
 void ScanView::linger() const {
   if (!server_) return;
+  if (recorder_) recorder_->finish();
   server_->show("the scan is over");
   wait_for_interrupt();
 }

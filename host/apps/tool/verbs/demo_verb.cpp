@@ -220,11 +220,14 @@ Result<void> run_demo(DemoOptions demo) {
   const auto device = SimulatedScan::make(*body, demo.probe.plan);
   if (!device) return tl::unexpected<Error>(device.error());
   ScanLog log;
-  const auto scan = ScanSession::open(std::make_unique<device::LoopbackTransport>((*device)->port()), *options);
+  auto transport =
+      std::make_unique<record::RecordingTransport>(std::make_unique<device::LoopbackTransport>((*device)->port()));
+  auto recorder = std::make_unique<ScanRecorder>(*transport, demo.out);
+  const auto scan = ScanSession::open(std::move(transport), *options);
   if (!scan) return tl::unexpected<Error>(scan.error());
   std::cout << demo.probe.phantom << ": " << (*device)->slices() << " slices, finest cells of "
             << options->reconstructor.spacing_mm << " mm, field on " << (*scan)->field_device() << std::endl;
-  const auto view = ScanView::open(demo.view, **scan, *labels);
+  const auto view = ScanView::open(demo.view, **scan, *labels, std::move(recorder));
   if (!view) return tl::unexpected<Error>(view.error());
   const auto igtl = IgtlOutput::open(demo.igtl, *labels);
   if (!igtl) return tl::unexpected<Error>(igtl.error());

@@ -28,9 +28,11 @@ Result<void> run_scan(const LiveOptions& live) {
   if (!options) return tl::unexpected<Error>(options.error());
   auto probe = open_probe(live.source);
   if (!probe) return tl::unexpected<Error>(probe.error());
-  const auto scan = ScanSession::open(std::move(probe->transport), *options);
+  auto transport = std::make_unique<record::RecordingTransport>(std::move(probe->transport));
+  auto recorder = std::make_unique<ScanRecorder>(*transport, live.output.path.parent_path());
+  const auto scan = ScanSession::open(std::move(transport), *options);
   if (!scan) return tl::unexpected<Error>(scan.error());
-  const auto view = ScanView::open(live.view, **scan, *labels);
+  const auto view = ScanView::open(live.view, **scan, *labels, std::move(recorder));
   if (!view) return tl::unexpected<Error>(view.error());
   const auto igtl = IgtlOutput::open(live.igtl, *labels);
   if (!igtl) return tl::unexpected<Error>(igtl.error());

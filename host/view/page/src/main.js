@@ -3,7 +3,7 @@ import {Vector3} from 'three';
 import {Compass, kSides} from './compass.js';
 import {Link} from './link.js';
 import {Measure} from './measure.js';
-import {LabelList, showFigures, showLedger} from './panel.js';
+import {LabelList, showFigures, showLedger, showRecording} from './panel.js';
 import {Path, Slice} from './probe.js';
 import {Stage} from './stage.js';
 import {Surfaces} from './surfaces.js';
@@ -66,6 +66,9 @@ function take({head, path, slice: slicePoints, bricks}) {
   if ($('state').textContent !== head.state) $('state').textContent = head.state;  // is read aloud when it changes
   $('empty').hidden = surfaces.bricks > 0;
   $('stop').hidden = !head.stop;
+  $('record').hidden = !head.record;
+  $('record').setAttribute('aria-pressed', Boolean(head.recording?.running));
+  if (head.recording) showRecording($('recording'), head.recording);
   $('measured').hidden = !head.measured;
   $('slice').hidden = $('path').hidden = !head.slices;
   counts.messages += 1;
@@ -110,6 +113,7 @@ const actions = {
     setTimeout(() => URL.revokeObjectURL(link.href), 60000);
   },
   keys: () => $('help').showModal(),
+  record: () => link.say($('record').getAttribute('aria-pressed') === 'true' ? 'record-end' : 'record'),
   stop: () => link.say('stop'),
 };
 for (const [id, act] of Object.entries(actions)) {
@@ -122,7 +126,7 @@ for (const [id, act] of Object.entries(actions)) {
 const kStep = Math.PI / 24;
 const arrows = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]};
 const keys = {
-  f: 'frame', v: 'slice', t: 'path', c: 'measured', m: 'measure', p: 'picture', '?': 'keys',
+  f: 'frame', v: 'slice', t: 'path', c: 'measured', m: 'measure', p: 'picture', e: 'record', '?': 'keys',
 };
 const sides = {l: 'L', r: 'R', a: 'A', o: 'P', s: 'S', i: 'I'};
 

@@ -47,6 +47,15 @@ export class LabelList {
   }
 }
 
+/** What is recorded, or was, and whether all of it. */
+export function showRecording(line, {file, running, seconds, records, not_recorded, failure}) {
+  line.hidden = false;
+  line.className = running ? 'running' : failure || not_recorded ? 'failed' : '';
+  const lost = not_recorded ? [`${not_recorded} not recorded`] : [];
+  line.textContent = [running ? `recording ${file}` : file, `${seconds.toFixed(0)} s`, `${records} records`, ...lost,
+                      failure].filter(Boolean).join(', ');
+}
+
 const kLedgerNames = {
   made: 'made', delivered: 'delivered', host_dropped: 'dropped by host', crc_bad: 'damaged', malformed: 'malformed',
   transport_lost: 'lost on the way', device_dropped: 'dropped by probe',

@@ -13,7 +13,7 @@
 #include "device_sim/port/loopback_device.h"
 #include "host/device/loopback/loopback_transport.h"
 #include "host/scan/scan_session.h"
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 
 namespace sonoloft::test {
 

@@ -231,8 +231,9 @@ PortTransfer FaultyPort::write_block(std::span<const std::byte> block) {
       return {PortStatus::ok, block.size()};
     case FaultKind::duplicate:
       ++counts_.repeated;
+      lock.unlock();
       (void)port_.write_block(block);
-      break;
+      return port_.write_block(block);
     case FaultKind::truncate:
       ++counts_.altered;
       altered.resize(plan_.offset(block.size()));

@@ -5,7 +5,7 @@
 
 #include "core/gpu/make_evaluator.h"
 #include "tests/bench/support/figures.h"
-#include "tests/support/field_cells.h"
+#include "tests/support/field/field_cells.h"
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "host/device/loopback/loopback_transport.h"
 #include "host/device/session.h"
 #include "tests/bench/support/figures.h"
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 #include "tests/usb/usbip/served_transport.h"
 
 namespace {

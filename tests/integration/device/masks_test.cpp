@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "core/slice/section.h"
-#include "tests/support/loopback_bench.h"
+#include "tests/support/wire/loopback_bench.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

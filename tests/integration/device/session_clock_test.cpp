@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "tests/support/loopback_bench.h"
+#include "tests/support/wire/loopback_bench.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

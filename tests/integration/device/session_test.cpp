@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "tests/support/loopback_bench.h"
+#include "tests/support/wire/loopback_bench.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

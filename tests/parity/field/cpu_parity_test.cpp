@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/field/cpu_evaluator.h"
-#include "tests/support/field_parity.h"
+#include "tests/support/field/field_parity.h"
 
 using namespace sonoloft;
 

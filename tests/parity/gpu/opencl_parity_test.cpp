@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/gpu/opencl_evaluator.h"
-#include "tests/support/field_parity.h"
+#include "tests/support/field/field_parity.h"
 
 using namespace sonoloft;
 

@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "core/field/reference.h"
-#include "tests/support/field_cells.h"
+#include "tests/support/field/field_cells.h"
 
 using namespace sonoloft;
 

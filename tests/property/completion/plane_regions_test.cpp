@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "core/completion/plane_lattice.h"
-#include "tests/support/field_cells.h"
-#include "tests/support/region_quadrature.h"
+#include "tests/support/field/field_cells.h"
+#include "tests/support/field/region_quadrature.h"
 
 using namespace sonoloft;
 

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "core/field/reference.h"
-#include "tests/support/field_cells.h"
+#include "tests/support/field/field_cells.h"
 #include "tests/support/view_slices.h"
 
 using namespace sonoloft;

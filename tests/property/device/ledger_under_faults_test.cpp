@@ -3,7 +3,7 @@
 #include <array>
 
 #include "device_sim/port/fault/faulty_port.h"
-#include "tests/support/loopback_bench.h"
+#include "tests/support/wire/loopback_bench.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

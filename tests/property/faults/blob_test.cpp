@@ -6,7 +6,7 @@
 #include "device_sim/port/fault/faulty_port.h"
 #include "device_sim/simulator/memory_blobs.h"
 #include "tests/property/faults/bus.h"
-#include "tests/support/loopback_bench.h"
+#include "tests/support/wire/loopback_bench.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

@@ -4,7 +4,7 @@
 
 #include "device_sim/firmware/firmware.h"
 #include "host/device/loopback/loopback_transport.h"
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 #include "tests/usb/usbip/served_transport.h"
 
 namespace sonoloft::test {

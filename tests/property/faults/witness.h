@@ -4,7 +4,7 @@
 #include <optional>
 #include <thread>
 
-#include "tests/support/loopback_bench.h"
+#include "tests/support/wire/loopback_bench.h"
 
 namespace sonoloft::test {
 

@@ -6,8 +6,8 @@
 
 #include "core/field/cpu_evaluator.h"
 #include "core/field/reference.h"
-#include "tests/support/field_batches.h"
-#include "tests/support/field_cells.h"
+#include "tests/support/field/field_batches.h"
+#include "tests/support/field/field_cells.h"
 
 using namespace sonoloft;
 using test::FieldCell;

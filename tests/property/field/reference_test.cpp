@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "tests/support/field_cells.h"
-#include "tests/support/region_quadrature.h"
+#include "tests/support/field/field_cells.h"
+#include "tests/support/field/region_quadrature.h"
 
 using namespace sonoloft;
 

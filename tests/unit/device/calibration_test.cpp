@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 
 using namespace sonoloft;
 using device::make_calibration;

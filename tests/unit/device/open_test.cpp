@@ -5,7 +5,7 @@
 #include "host/device/session.h"
 #include "protocol/record.h"
 #include "protocol/schema_hash.h"
-#include "tests/support/scripted_transport.h"
+#include "tests/support/wire/scripted_transport.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

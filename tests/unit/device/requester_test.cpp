@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/scripted_transport.h"
+#include "tests/support/wire/scripted_transport.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

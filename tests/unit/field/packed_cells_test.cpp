@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/field/field_evaluator.h"
-#include "tests/support/field_cells.h"
+#include "tests/support/field/field_cells.h"
 
 using namespace sonoloft;
 using test::FieldCell;

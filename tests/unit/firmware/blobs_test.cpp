@@ -6,7 +6,7 @@
 #include "device_sim/simulator/memory_blobs.h"
 #include "protocol/block.h"
 #include "protocol/crc32c.h"
-#include "tests/support/firmware_bench.h"
+#include "tests/support/wire/firmware_bench.h"
 
 using namespace sonoloft;
 using namespace sonoloft::protocol;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "protocol/event.h"
-#include "tests/support/firmware_bench.h"
+#include "tests/support/wire/firmware_bench.h"
 
 using namespace sonoloft::protocol;
 using namespace sonoloft::test;

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "protocol/schema_hash.h"
-#include "tests/support/firmware_bench.h"
+#include "tests/support/wire/firmware_bench.h"
 
 using namespace sonoloft::protocol;
 using namespace sonoloft::test;

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "tests/support/firmware_bench.h"
+#include "tests/support/wire/firmware_bench.h"
 
 namespace {
 std::atomic<long> allocations{0};

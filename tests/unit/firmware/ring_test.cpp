@@ -4,7 +4,7 @@
 #include <random>
 
 #include "device_sim/firmware/record_ring.h"
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 
 using sonoloft::device_sim::RecordRing;
 using sonoloft::test::AlignedBytes;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/gpu/opencl_evaluator.h"
-#include "tests/support/field_batches.h"
+#include "tests/support/field/field_batches.h"
 
 using namespace sonoloft;
 

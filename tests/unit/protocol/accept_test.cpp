@@ -8,7 +8,7 @@
 #include <string>
 
 #include "protocol/crc32c.h"
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 
 using namespace sonoloft::protocol;
 using namespace sonoloft::test;

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 
 using namespace sonoloft::protocol;
 using namespace sonoloft::test;

@@ -8,7 +8,7 @@
 #include "protocol/block.h"
 #include "protocol/command.h"
 #include "protocol/event.h"
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 
 using namespace sonoloft::protocol;
 using namespace sonoloft::test;

@@ -3,7 +3,7 @@
 #include <functional>
 #include <limits>
 
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 
 using namespace sonoloft::protocol;
 using namespace sonoloft::test;

@@ -10,8 +10,8 @@
 
 #include "host/record/recording_transport.h"
 #include "host/record/replay/replay_transport.h"
-#include "tests/support/loopback_bench.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/wire/loopback_bench.h"
 
 namespace sonoloft::test {
 

@@ -13,7 +13,7 @@
 #include "protocol/crc32c.h"
 #include "protocol/event.h"
 #include "protocol/usb.h"
-#include "tests/support/loopback_bench.h"
+#include "tests/support/wire/loopback_bench.h"
 #include "tests/usb/functionfs/mock_functionfs.h"
 
 using namespace sonoloft;

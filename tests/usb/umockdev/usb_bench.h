@@ -10,7 +10,7 @@
 #include "host/device/session.h"
 #include "host/device/usb/usb_devices.h"
 #include "host/device/usb/usb_transport.h"
-#include "tests/support/loopback_bench.h"
+#include "tests/support/wire/loopback_bench.h"
 #include "tests/usb/umockdev/mock_bus.h"
 
 namespace sonoloft::test {

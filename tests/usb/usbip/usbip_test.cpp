@@ -10,8 +10,8 @@
 
 #include "device_sim/port/usbip/usbip_server.h"
 #include "protocol/usb.h"
-#include "tests/support/hanging_port.h"
-#include "tests/support/loopback_bench.h"
+#include "tests/support/wire/hanging_port.h"
+#include "tests/support/wire/loopback_bench.h"
 #include "tests/usb/usbip/usbip_client.h"
 #include "tests/usb/usbip/usbip_transport.h"
 

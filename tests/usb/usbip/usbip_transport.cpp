@@ -7,7 +7,7 @@
 
 #include "protocol/command.h"
 #include "protocol/usb.h"
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 
 namespace sonoloft::test {
 namespace {

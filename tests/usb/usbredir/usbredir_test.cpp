@@ -12,8 +12,8 @@
 #include "protocol/crc32c.h"
 #include "protocol/event.h"
 #include "protocol/usb.h"
-#include "tests/support/hanging_port.h"
-#include "tests/support/loopback_bench.h"
+#include "tests/support/wire/hanging_port.h"
+#include "tests/support/wire/loopback_bench.h"
 #include "tests/usb/usbredir/redirected_device.h"
 
 using namespace sonoloft;

@@ -8,7 +8,7 @@
 
 #include "core/field/field_evaluator.h"
 #include "core/field/reference.h"
-#include "tests/support/field_cells.h"
+#include "tests/support/field/field_cells.h"
 
 /// How far an evaluator is from the field in double precision, near everything that is hard.
 namespace sonoloft::test {

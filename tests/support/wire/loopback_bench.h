@@ -11,7 +11,7 @@
 #include "device_sim/port/loopback_device.h"
 #include "host/device/loopback/loopback_transport.h"
 #include "host/device/session.h"
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 
 namespace sonoloft::test {
 

@@ -5,7 +5,7 @@
 #include "device_sim/firmware/firmware.h"
 #include "protocol/accept.h"
 #include "protocol/command.h"
-#include "tests/support/wire_slices.h"
+#include "tests/support/wire/wire_slices.h"
 
 namespace sonoloft::test {
 

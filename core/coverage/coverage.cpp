@@ -162,6 +162,7 @@ Coverage coverage_of(const std::vector<const Section*>& sections, const Backgrou
   const Grid grid = sample(hull_of_materials(sections), background);
   const double near_mm = grid.step_mm, point_mm3 = std::pow(grid.step_mm, 3);
   Coverage coverage;
+  coverage.near_mm = near_mm;
   coverage.volume_mm3 = point_mm3 * static_cast<double>(grid.point_mm.size());
   for (const float distance : grid.distance_mm)
     if (static_cast<double>(distance) <= near_mm) coverage.seen_mm3 += point_mm3;

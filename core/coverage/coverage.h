@@ -24,14 +24,14 @@ struct CoverageGap {
 /// background spacings, 5 mm in a body, from the known part of a slice, whatever it showed there.
 struct Coverage {
   double volume_mm3 = 0, seen_mm3 = 0;
+  double near_mm = 0;                      ///< up to where a point counts as seen
   std::optional<CoverageGap> largest_gap;  ///< by volume; none when all was seen
   [[nodiscard]] double seen_fraction() const { return volume_mm3 > 0 ? seen_mm3 / volume_mm3 : 1; }
 };
 
 /// @param sections    those that the background holds
-/// @cost  O(points of all sections * 200 + nodes in the hull + nodes of the gap * 900): some 50 ms for a body. Threads:
-/// any,
-///        but not while the background changes.
+/// @cost  O(points of all sections * 200 + nodes in the hull + nodes of the gap * 900): some 50 ms for a body.
+/// Threads: any, but not while the background changes.
 [[nodiscard]] Coverage coverage_of(const std::vector<const Section*>& sections, const Background& background);
 
 }  // namespace sonoloft

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/coverage/confidence.h"
+#include "core/coverage/coverage.h"
 #include "core/io/labels/label_table.h"
 #include "core/slice/result.h"
 #include "host/device/delivered_slice.h"
@@ -30,6 +31,8 @@ struct ViewSource {
   LabelTable labels;
   /// How sure points of the surface are, asked for while a page shows it as colour; see ScanSession::confidence().
   std::function<Confidence(std::span<const Eigen::Vector3f>)> confidence;
+  /// What was seen and what was not, asked for while a page shows it; see ScanSession::coverage().
+  std::function<Coverage()> coverage;
   std::function<device::Ledger()> ledger;
   std::function<void()> stop;  ///< the scan is to end; to be noted, not done, in the call
   /// The scan is to be recorded, or no longer; to be noted, not done, in the call.

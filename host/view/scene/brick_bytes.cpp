@@ -40,8 +40,8 @@ std::vector<Label> materials_of(const MeshChunk& chunk) {
 /// Writes the surfaces of a chunk, one material after the other.
 class SurfaceWriter {
  public:
-  SurfaceWriter(const MeshChunk& chunk, const Neighbours& around, std::span<const float> measured)
-      : chunk_(chunk), around_(around), measured_(measured) {
+  SurfaceWriter(const MeshChunk& chunk, const Neighbours& around, const Confidence& sure)
+      : chunk_(chunk), around_(around), sure_(sure) {
     for (std::uint32_t v = 0; v < chunk.vertex_keys.size(); ++v) by_key_.emplace(chunk.vertex_keys[v], v);
   }
 
@@ -53,6 +53,7 @@ class SurfaceWriter {
       append(out, number);
     for (const std::uint32_t v : used_) append(out, std::span<const float>(chunk_.positions[v].data(), 3));
     for (const std::uint32_t v : used_) append_normal(v, out);
+    append_distances(out);
     append(out, std::span<const std::uint32_t>(indices_));
   }
 
@@ -97,14 +98,23 @@ class SurfaceWriter {
   void append_normal(std::uint32_t v, std::string& out) const {
     const Eigen::Vector3f n = normals_[v].stableNormalized();
     const auto part = [&](int axis) { return static_cast<std::int8_t>(std::lround(127 * n[axis])); };
-    const float share = measured_.empty() ? 1 : std::clamp(measured_[v], 0.F, 1.F);
+    const float share = sure_.measured.empty() ? 1 : std::clamp(sure_.measured[v], 0.F, 1.F);
     const std::array bytes{part(0), part(1), part(2), static_cast<std::int8_t>(std::lround(127 * share))};
     append(out, std::span<const std::int8_t>(bytes));
   }
 
+  void append_distances(std::string& out) const {
+    std::vector<std::uint8_t> quarters((used_.size() + 3) / 4 * 4, 0);
+    if (!sure_.distance_mm.empty())
+      std::transform(used_.begin(), used_.end(), quarters.begin(), [&](std::uint32_t v) {
+        return static_cast<std::uint8_t>(std::lround(std::clamp(4 * sure_.distance_mm[v], 0.F, 255.F)));
+      });
+    append(out, std::span<const std::uint8_t>(quarters));
+  }
+
   const MeshChunk& chunk_;
   const Neighbours& around_;
-  const std::span<const float> measured_;
+  const Confidence& sure_;
   std::unordered_map<std::uint64_t, std::uint32_t> by_key_;
   std::vector<std::uint32_t> slot_;  ///< [#V] index among those used + 1, or 0
   std::vector<std::uint32_t> used_;
@@ -114,13 +124,13 @@ class SurfaceWriter {
 
 }  // namespace
 
-void append_brick(const BrickCoord& coord, const MeshChunk* chunk, const Neighbours& around,
-                  std::span<const float> measured, std::string& out) {
+void append_brick(const BrickCoord& coord, const MeshChunk* chunk, const Neighbours& around, const Confidence& sure,
+                  std::string& out) {
   for (const std::int32_t c : {coord.x, coord.y, coord.z}) append(out, c);
   const std::vector<Label> materials = chunk == nullptr ? std::vector<Label>{} : materials_of(*chunk);
   append(out, static_cast<std::uint32_t>(materials.size()));
   if (chunk == nullptr) return;
-  SurfaceWriter writer(*chunk, around, measured);
+  SurfaceWriter writer(*chunk, around, sure);
   for (const Label material : materials) writer.append_surface(material, out);
 }
 

@@ -1,5 +1,6 @@
 #include "host/view/scene/bricks.h"
 
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -51,20 +52,44 @@ Neighbours Bricks::around(const BrickCoord& coord) const {
   return all;
 }
 
-const std::string& Bricks::bytes_of(const BrickCoord& coord, Brick& brick, bool measured) {
-  const bool ask = measured && confidence_ && brick.chunk;
-  if (!brick.bytes.empty() && (!ask || brick.measured_at != 0)) return brick.bytes;
-  const Confidence sure = ask ? confidence_(brick.chunk->positions) : Confidence{};
-  brick.measured_at = ask ? meshes_ : 0;
+void Bricks::encode(const BrickCoord& coord, Brick& brick, const Confidence& sure) {
   brick.bytes.clear();
-  append_brick(coord, brick.chunk.get(), around(coord), sure.measured, brick.bytes);
-  return brick.bytes;
+  brick.measured_at = 0;
+  append_brick(coord, brick.chunk.get(), around(coord), sure, brick.bytes);
+}
+
+/// One question about all bricks that a viewer lacks next: each waits for a scan that is busy.
+void Bricks::ask_confidence(std::uint64_t seen) {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<BrickCoord> asked;
+  for (auto next = by_version_.upper_bound(seen); next != by_version_.end() && points.size() < kPointsAsked; ++next) {
+    const Brick& brick = bricks_.at(next->second);
+    if (!brick.lacks_confidence()) continue;
+    points.insert(points.end(), brick.chunk->positions.begin(), brick.chunk->positions.end());
+    asked.push_back(next->second);
+  }
+  if (asked.empty()) return;
+  const Confidence all = confidence_(points);
+  auto measured = all.measured.begin();
+  auto distance = all.distance_mm.begin();
+  for (const BrickCoord& coord : asked) {
+    Brick& brick = bricks_.at(coord);
+    const auto count = std::ssize(brick.chunk->positions);
+    encode(coord, brick, {{measured, measured + count}, {distance, distance + count}});
+    brick.measured_at = meshes_;
+    measured += count;
+    distance += count;
+  }
 }
 
 std::size_t Bricks::append_newer(std::uint64_t& seen, bool measured, std::size_t soft_limit, std::string& out) {
+  if (measured) ask_confidence(seen);
   std::size_t count = 0;
   for (auto next = by_version_.upper_bound(seen); next != by_version_.end() && out.size() <= soft_limit; ++next) {
-    out += bytes_of(next->second, bricks_.at(next->second), measured);
+    Brick& brick = bricks_.at(next->second);
+    if (measured && brick.lacks_confidence()) break;
+    if (brick.bytes.empty()) encode(next->second, brick, {});
+    out += brick.bytes;
     seen = next->first;
     ++count;
   }

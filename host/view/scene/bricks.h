@@ -32,7 +32,7 @@ class Bricks {
   void take(MeshSnapshot mesh);
 
   /// Appends bricks with a version above `seen`, oldest first, until `out` holds more than `soft_limit` bytes.
-  /// @param measured  with the confidence of the vertices
+  /// @param measured  with the confidence of the vertices, asked for once; as many bricks as that question is about
   /// @return how many
   std::size_t append_newer(std::uint64_t& seen, bool measured, std::size_t soft_limit, std::string& out);
 
@@ -52,12 +52,14 @@ class Bricks {
     std::uint64_t version = 0;
     std::string bytes;              ///< as sent; empty until asked for
     std::uint64_t measured_at = 0;  ///< the mesh whose confidence is in the bytes; 0: none
+    [[nodiscard]] bool lacks_confidence() const { return chunk && (bytes.empty() || measured_at == 0); }
   };
   using ByVersion = std::map<std::uint64_t, BrickCoord>;
   [[nodiscard]] ByVersion::const_iterator oldest() const;
   void change(const BrickCoord& coord, std::shared_ptr<const MeshChunk> chunk);
   void touch(const BrickCoord& coord, Brick& brick);
-  const std::string& bytes_of(const BrickCoord& coord, Brick& brick, bool measured);
+  void ask_confidence(std::uint64_t seen);
+  void encode(const BrickCoord& coord, Brick& brick, const Confidence& sure);
   [[nodiscard]] Neighbours around(const BrickCoord& coord) const;
 
   AskConfidence confidence_;
@@ -66,6 +68,9 @@ class Bricks {
   std::size_t faces_ = 0;
   std::unordered_map<BrickCoord, Brick, BrickCoordHash> bricks_;
   ByVersion by_version_;  ///< of every brick
+
+  /// Vertices that one question is about, but for the last brick's: the scan waits some 50 ms.
+  static constexpr std::size_t kPointsAsked = 20000;
 };
 
 }  // namespace sonoloft::view

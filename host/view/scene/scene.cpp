@@ -16,7 +16,9 @@ using Json = nlohmann::json;
 /// Points of a slice that are drawn; of more, every n-th.
 constexpr std::size_t kMaxSlicePoints = 20000;
 constexpr std::size_t kArrivalsForRate = 32;
-constexpr std::size_t kBricksRenewed = 8;
+constexpr std::size_t kBricksRenewed = 32;
+/// The scan waits while it says what was seen: a twentieth of its time at most.
+constexpr int kCoveragePauses = 20;
 
 Json labels_json(const MeshUpdate& mesh, const LabelTable& table) {
   Json labels = Json::array();
@@ -46,6 +48,20 @@ Json ledger_json(const device::Ledger& l) {
 Json recording_json(const ViewRecording& r) {
   return {{"file", r.file},       {"running", r.running},           {"seconds", r.seconds},
           {"records", r.records}, {"not_recorded", r.not_recorded}, {"failure", r.failure}};
+}
+
+Json vector_json(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Json coverage_json(const Coverage& c) {
+  Json json = {{"volume_ml", 1e-3 * c.volume_mm3}, {"seen", c.seen_fraction()}, {"near_mm", c.near_mm}};
+  if (!c.largest_gap) return json;
+  const Eigen::Isometry3d& plane = c.largest_gap->suggested_image_to_reference;
+  json["gap"] = {{"volume_ml", 1e-3 * c.largest_gap->volume_mm3},
+                 {"centre", vector_json(plane.translation())},
+                 {"normal", vector_json(plane.linear().col(2))}};
+  return json;
 }
 
 /// The loops of a slice in the reference frame; `first` and `count` are in points that were appended.
@@ -100,7 +116,8 @@ Json Scene::status() const {
   Json status = {{"state", state_.words},
                  {"stop", state_.running && source_.stop},
                  {"record", state_.running && source_.record},
-                 {"measured", static_cast<bool>(source_.confidence)}};
+                 {"measured", static_cast<bool>(source_.confidence)},
+                 {"cover", static_cast<bool>(source_.coverage)}};
   if (recording_) status["recording"] = recording_json(*recording_);
   if (source_.ledger) status["ledger"] = ledger_json(source_.ledger());
   if (!mesh_) return status;
@@ -132,6 +149,15 @@ Json Scene::append_slice(Cursor& cursor, std::string& out) const {
   return {{"id", slice.id}, {"contours", std::move(contours)}, {"view", view}, {"points", writer.points()}};
 }
 
+void Scene::renew_coverage() {
+  const auto begin = std::chrono::steady_clock::now();
+  if (covered_ == mesh_ || begin < coverage_due_) return;
+  coverage_ = source_.coverage();
+  covered_ = mesh_;
+  const auto end = std::chrono::steady_clock::now();
+  coverage_due_ = end + kCoveragePauses * (end - begin);
+}
+
 std::string Scene::message(Cursor& cursor) {
   if (cursor.measured) bricks_.renew_confidence(kBricksRenewed);
   std::string body;
@@ -141,6 +167,10 @@ std::string Scene::message(Cursor& cursor) {
   Json head = status();
   head["path"] = {{"again", cursor.path.epoch != epoch}, {"points", path.size()}};
   head["slice"] = append_slice(cursor, body);
+  if (std::exchange(cursor.coverage, false)) {
+    renew_coverage();
+    if (covered_) head["coverage"] = coverage_json(coverage_);
+  }
   const std::size_t bricks = bricks_.append_newer(cursor.bricks, cursor.measured, kSoftLimit, body);
   cursor.bricks_sent += bricks;
   cursor.stamp = stamp_;

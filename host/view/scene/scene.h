@@ -18,6 +18,7 @@ namespace sonoloft::view {
 /// What one viewer has seen: all that the server keeps of it.
 struct Cursor {
   bool measured = false;     ///< it shows how sure the surface is
+  bool coverage = false;     ///< it asks what was seen
   std::uint64_t bricks = 0;  ///< version
   std::uint64_t bricks_sent = 0;
   std::uint64_t stamp = 0;  ///< of everything else
@@ -33,7 +34,7 @@ class Scene {
   void take(const News& news);
 
   [[nodiscard]] bool has_news(const Cursor& cursor) const {
-    return cursor.stamp != stamp_ || cursor.bricks != bricks_.version() ||
+    return cursor.coverage || cursor.stamp != stamp_ || cursor.bricks != bricks_.version() ||
            (cursor.measured && bricks_.confidence_is_old());
   }
 
@@ -45,6 +46,7 @@ class Scene {
  private:
   [[nodiscard]] nlohmann::json status() const;
   nlohmann::json append_slice(Cursor& cursor, std::string& out) const;
+  void renew_coverage();
 
   const ViewSource& source_;
   Bricks bricks_;
@@ -54,6 +56,9 @@ class Scene {
   std::shared_ptr<const device::DeliveredSlice> slice_;
   ScanState state_;
   std::optional<ViewRecording> recording_;
+  Coverage coverage_;
+  std::shared_ptr<const MeshUpdate> covered_;           ///< the mesh that there was when it was asked for; null: never
+  std::chrono::steady_clock::time_point coverage_due_;  ///< not asked for again before
   double latency_ms_ = 0;
   std::deque<std::chrono::steady_clock::time_point> arrivals_;  ///< of the last slices with a mesh
 };

@@ -67,6 +67,8 @@ bool Viewer::obey(std::string_view word) {
     cursor_.bricks = 0;  // all bricks anew, with their confidence
   } else if (word == "labels") {
     cursor_.measured = false;
+  } else if (word == "coverage" && service_.source.coverage) {
+    cursor_.coverage = true;
   } else {
     return false;
   }

@@ -1,4 +1,4 @@
-// docs/sdk.md and examples/, from an install prefix.
+// docs/sdk.md, docs/integration.md and examples/, from an install prefix.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -98,6 +98,19 @@ TEST_CASE("install: the examples say what their pages say, static and shared") {
     }
   }
   CHECK(examples == 16);
+}
+
+TEST_CASE("install: the program of docs/integration.md is built and says what it says there, and writes its mesh") {
+  const std::string guide = text_of("docs/integration.md");
+  const TemporaryFolder folder;
+  static_cast<void>(folder.write("first_scan.cpp", code_in(guide, "cpp")));
+  static_cast<void>(folder.write("CMakeLists.txt", code_in(guide, "cmake")));
+  const Ran ran = run_scan("export HOME=\"$PWD\"\ncd '" + folder.path("").string() + "'\n" + code_in(guide, "sh"));
+  CHECK_MESSAGE(ran.status == 0, ran.output);
+  const std::string expected = code_in(guide, "text");
+  CHECK(!expected.empty());
+  CHECK_MESSAGE(missing_line(expected, ran.output) == "", ran.output);
+  CHECK(fs::file_size(folder.path("first.ply")) > 100'000);
 }
 
 TEST_CASE("install: what pkg-config links runs, and C gives the same mesh however it is linked") {

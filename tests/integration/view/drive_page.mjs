@@ -29,6 +29,17 @@ const shot = (page, name) => page.screenshot({path: `${folder}/${name}.png`});
 const eye = (page) => page.evaluate(() => window.sonoloft.camera.position.toArray().map(Math.round).join());
 const pressed = (page, id) => page.getAttribute(`#${id}`, 'aria-pressed');
 
+/** What was not seen, as the page tells it, once all of it is there. */
+async function coverage(page, name) {
+  await page.waitForFunction(() => !document.getElementById('seen').hidden && !window.sonoloft.counts.more);
+  await shot(page, name);
+  const disc = await page.evaluate(() => {
+    const {visible, position, scale} = window.sonoloft.gap;
+    return {visible, position: position.toArray(), radius: scale.x};
+  });
+  return {disc, text: await page.textContent('#seen'), far: await page.textContent('#ramp-from')};
+}
+
 /** What each key does, told by what can be seen of it. */
 async function keyboard(page) {
   const seen = {};
@@ -38,8 +49,11 @@ async function keyboard(page) {
     seen[name] = before !== (await look());
   };
   for (const key of ['ArrowLeft', 'ArrowUp', 'Shift+ArrowRight', '+', 'f', 'a']) await changes(key, () => eye(page), key);
-  for (const [key, id] of [['v', 'slice'], ['t', 'path'], ['c', 'measured'], ['m', 'measure']])
+  for (const [key, id] of [['v', 'slice'], ['t', 'path'], ['c', 'measured'], ['g', 'coverage'], ['m', 'measure']])
     await changes(key, () => pressed(page, id), key);
+  seen['g instead of c'] = (await pressed(page, 'measured')) === 'false';
+  report.coverage = await coverage(page, 'desktop-light-coverage');
+  await changes('c instead of g', () => page.evaluate(() => window.sonoloft.gap.visible), 'c');
   seen.first = await page.textContent('#ruler');
   await page.keyboard.press('Enter');
   seen.second = await page.textContent('#ruler');
@@ -85,6 +99,8 @@ if (scenario === 'scan') {
   for (const page of late) await over(page);
   report.late = await Promise.all(late.map(counts));
   await Promise.all(['desktop-dark', 'phone-light', 'phone-dark'].map((name, i) => shot(late[i], name)));
+  await late[2].tap('#coverage');
+  report.touched = await coverage(late[2], 'phone-dark-coverage');
   report.names = await names(first);
   report.keys = await keyboard(first);
   await first.waitForFunction(() => !window.sonoloft.counts.more);

@@ -50,6 +50,7 @@ double since_epoch_ms(std::chrono::system_clock::time_point at) {
 TEST_CASE("view: the page follows a scan, late pages catch up, keys do what they say") {
   if (!browser_is_there()) return;
   constexpr std::uint32_t kSlices = 60;
+  constexpr double kGap_mm3 = 2345;
   device_sim::LoopbackOptions device_options = ball_device_options();
   device_options.rate_hz = 20;
   device_sim::LoopbackDevice device(device_options, ball_source(kSlices));
@@ -59,6 +60,13 @@ TEST_CASE("view: the page follows a scan, late pages catch up, keys do what they
   std::atomic<bool> stopped = false;
   view::ViewSource source;
   source.confidence = [&](std::span<const Eigen::Vector3f> points) { return scan->confidence(points); };
+  source.coverage = [&] {
+    Coverage coverage = scan->coverage();
+    CoverageGap& gap = coverage.largest_gap.emplace();  // which a ball seen all over has not
+    gap.volume_mm3 = kGap_mm3;
+    gap.suggested_image_to_reference.translation() = Eigen::Vector3d(10, 20, 30);
+    return coverage;
+  };
   source.ledger = [&] { return scan->ledger(); };
   source.stop = [&] { stopped = true; };
   const auto server = open_server(std::move(source));
@@ -101,6 +109,16 @@ TEST_CASE("view: the page follows a scan, late pages catch up, keys do what they
   const std::string distance = report["keys"]["distance"];
   CHECK(distance.ends_with(" mm"));  // between two points of the ball, 15 degrees apart
   CHECK(std::stod(distance) == doctest::Approx(2 * kBallRadius_mm * std::sin(std::numbers::pi / 24)).epsilon(0.1));
+  for (const char* page : {"coverage", "touched"}) {
+    const nlohmann::json told = report[page];
+    MESSAGE(told.dump());
+    CHECK(told["text"].get<std::string>().ends_with(" ml seen. The disc shows 2.345 ml that no slice came near."));
+    CHECK(told["far"] == "≥ 20 mm");
+    CHECK(told["disc"]["visible"] == true);
+    CHECK(told["disc"]["position"] == nlohmann::json{10, 20, 30});
+    CHECK(told["disc"]["radius"].get<double>() ==
+          doctest::Approx(std::cbrt(3 * kGap_mm3 / (4 * std::numbers::pi))).epsilon(1e-3));
+  }
   CHECK(report["keys"]["picture"].get<std::string>().starts_with("sonoloft-"));
   CHECK(fs::file_size(kPageFolder / "picture.png") > 10'000);
   CHECK(report["names"].size() >= 20);

@@ -50,6 +50,8 @@ Surfaces read_surfaces(Reader& reader) {
     Surface& surface = surfaces[label];
     surface.positions = reader.many<std::array<float, 3>>(vertices);
     surface.shades = reader.many<std::array<std::int8_t, 4>>(vertices);
+    surface.distances = reader.many<std::uint8_t>((vertices + 3) / 4 * 4);
+    surface.distances.resize(vertices);
     surface.indices = reader.many<std::uint32_t>(indices);
   }
   return surfaces;

@@ -15,6 +15,7 @@ namespace sonoloft::test {
 struct Surface {
   std::vector<std::array<float, 3>> positions;
   std::vector<std::array<std::int8_t, 4>> shades;  ///< normal, measured
+  std::vector<std::uint8_t> distances;             ///< quarters of a mm
   std::vector<std::uint32_t> indices;
 };
 using Surfaces = std::map<std::uint32_t, Surface>;  ///< by label

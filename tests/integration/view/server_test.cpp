@@ -189,8 +189,8 @@ TEST_CASE("view: what makes no sense is refused, and the others see on") {
   CHECK(status("GET /" + head + "Content-Length: 99999999999\r\n\r\n").empty());
   CHECK(status(std::string(1000, '\0')).empty());
   SceneClient sound(port);
-  for (const std::string& word : {std::string("stop"), std::string("record"), std::string("measured"), std::string("?"),
-                                  std::string(1 << 20, 'n')}) {
+  for (const std::string& word : {std::string("stop"), std::string("record"), std::string("measured"),
+                                  std::string("coverage"), std::string("?"), std::string(1 << 20, 'n')}) {
     SceneClient rude(port);
     try {
       rude.say(word);
@@ -249,37 +249,4 @@ TEST_CASE("view: a page can have the scan recorded where the program lets it, an
   }
   CHECK(begun == 1);
   CHECK(ended == 1);
-}
-
-TEST_CASE("view: how sure the surface is comes when it is asked for, and grows old nowhere") {
-  std::atomic<float> share = 0.5F;
-  view::ViewSource source;
-  source.confidence = [&](std::span<const Eigen::Vector3f> points) {
-    return Confidence{std::vector<float>(points.size(), share), std::vector<float>(points.size())};
-  };
-  const auto server = open_server(std::move(source));
-  if (!server) return;
-  const auto updates = ball_updates(24);
-  server->show(updates.back());
-  SceneClient viewer(port_of(*server));
-  const auto all_are = [](const SceneMessage& message, int measured) {
-    for (const auto& [coord, surfaces] : message.bricks)
-      for (const auto& [label, surface] : surfaces)
-        for (const auto& shade : surface.shades)
-          if (shade[3] != measured) return false;
-    return true;
-  };
-  CHECK(all_are(viewer.catch_up(), 127));
-  viewer.say("measured");
-  const SceneMessage asked = viewer.catch_up();
-  CHECK(asked.bricks.size() == updates.back()->mesh.chunks.size());
-  CHECK(all_are(asked, 64));
-  share = 1;
-  server->show(updates.back());  // the same mesh, after slices that did not change it
-  std::set<BrickCoord> renewed;
-  while (renewed.size() < asked.bricks.size()) {
-    const SceneMessage message = viewer.catch_up();
-    CHECK(all_are(message, 127));
-    for (const auto& [coord, surfaces] : message.bricks) renewed.insert(coord);
-  }
 }

@@ -33,7 +33,7 @@ TEST_CASE("igtl clients: a frozen one is closed and counted, and the others get 
 
 TEST_CASE("igtl clients: a slow one gets the newest mesh next, not those that it missed") {
   igtl::ServerOptions options;
-  options.patience = std::chrono::minutes(2);
+  options.patience = std::chrono::hours(1);
   const auto server = serve(options);
   server->show(large_update(1));
   IgtlClient slow(server->port(), 4096), quick(server->port());

@@ -40,6 +40,7 @@ Result<ScanView> ScanView::open(const ViewChoice& choice, const ScanSession& sca
   if (!choice.view) return view;
   view::ViewSource source{labels,
                           [&scan](auto points) { return scan.confidence(points); },
+                          [&scan] { return scan.coverage(); },
                           [&scan] { return scan.ledger(); },
                           [stopped = view.stopped_] { *stopped = true; },
                           {}};

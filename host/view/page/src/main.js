@@ -1,22 +1,26 @@
 // What is on the page, joined:  link -> surfaces, slice, path -> stage; keys and buttons -> all of them
 import {Vector3} from 'three';
 import {Compass, kSides} from './compass.js';
+import {Gap} from './gap.js';
 import {Link} from './link.js';
 import {Measure} from './measure.js';
-import {LabelList, showFigures, showLedger, showRecording} from './panel.js';
+import {LabelList, showFigures, showLedger, showRamp, showRecording, showSeen} from './panel.js';
 import {Path, Slice} from './probe.js';
 import {Stage} from './stage.js';
-import {Surfaces} from './surfaces.js';
+import {kTold, Surfaces} from './surfaces.js';
+
+/** How often a page asks what was seen while it shows it. */
+const kCoverage_ms = 1000;
 
 const $ = (id) => document.getElementById(id);
 const stage = new Stage($('canvas'));
-const surfaces = new Surfaces(), slice = new Slice(), probePath = new Path();
+const surfaces = new Surfaces(), slice = new Slice(), probePath = new Path(), gap = new Gap();
 const measure = new Measure(stage, surfaces, $('ruler'), $('crosshair'));
-stage.add(surfaces.group, slice.group, probePath.group, measure.group);
+stage.add(surfaces.group, slice.group, probePath.group, gap.group, measure.group);
 
 /** What the page holds, for whoever wants to check it against what the server says it sent. */
 const counts = {messages: 0, bricksReceived: 0, bricksSent: 0, bricks: 0, faces: 0, serverBricks: 0, serverFaces: 0};
-window.sonoloft = {counts, camera: stage.camera};
+window.sonoloft = {counts, camera: stage.camera, gap: gap.group};
 
 function noteFirstMesh() {
   counts.firstMeshAt = Date.now();
@@ -28,6 +32,7 @@ function colourLines() {
   slice.colour(style.getPropertyValue('--sector'));
   probePath.colour(style.getPropertyValue('--path'));
   measure.colour(style.getPropertyValue('--accent'));
+  gap.colour(style.getPropertyValue('--warn'));
   stage.invalidate();
 }
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', colourLines);
@@ -70,6 +75,8 @@ function take({head, path, slice: slicePoints, bricks}) {
   $('record').setAttribute('aria-pressed', Boolean(head.recording?.running));
   if (head.recording) showRecording($('recording'), head.recording);
   $('measured').hidden = !head.measured;
+  $('coverage').hidden = !head.measured || !head.cover;
+  if (head.coverage) showCoverage(head.coverage);
   $('slice').hidden = $('path').hidden = !head.slices;
   counts.messages += 1;
   counts.bricksReceived += bricks.length;
@@ -83,8 +90,22 @@ const link = new Link(take, (state) => {
   if (state !== 'open') return;
   surfaces.clear();  // the server sends all there is
   counts.bricksReceived = 0;
-  if (surfaces.measured) link.say('measured');
+  if (surfaces.told !== kTold.label) link.say('measured');
 });
+
+function askCoverage() {
+  if (surfaces.told === kTold.coverage) link.say('coverage');
+}
+setInterval(askCoverage, kCoverage_ms);
+
+function showCoverage(coverage) {
+  if (surfaces.told !== kTold.coverage) return;
+  surfaces.near_mm.value = coverage.near_mm;
+  showRamp($('ramp-from'), $('ramp-to'), surfaces.told, coverage.near_mm);
+  showSeen($('seen'), coverage);
+  $('seen').hidden = false;
+  gap.show(coverage.gap);
+}
 
 function press(id) {
   const on = $(id).getAttribute('aria-pressed') !== 'true';
@@ -92,15 +113,25 @@ function press(id) {
   return on;
 }
 
+/** Colours tell what the button says, or the labels again. */
+function tell(id, what) {
+  const told = press(id) ? what : kTold.label;
+  for (const other of ['measured', 'coverage']) if (other !== id) $(other).setAttribute('aria-pressed', false);
+  if ((told === kTold.label) !== (surfaces.told === kTold.label)) link.say(told === kTold.label ? 'labels' : 'measured');
+  surfaces.tell(told);
+  $('ramp').hidden = told === kTold.label;
+  showRamp($('ramp-from'), $('ramp-to'), told, surfaces.near_mm.value);
+  $('seen').hidden = true;
+  gap.show();
+  askCoverage();
+}
+
 const actions = {
   frame: () => stage.frame(surfaces.box()),
   slice: () => { slice.group.visible = press('slice'); },
   path: () => { probePath.group.visible = press('path'); },
-  measured: () => {
-    surfaces.showMeasured(press('measured'));
-    $('ramp').hidden = !surfaces.measured;
-    link.say(surfaces.measured ? 'measured' : 'labels');
-  },
+  measured: () => tell('measured', kTold.confidence),
+  coverage: () => tell('coverage', kTold.coverage),
   measure: () => {
     measure.toggle(press('measure'));
     $('stage').focus();  // where Enter takes a point
@@ -126,7 +157,7 @@ for (const [id, act] of Object.entries(actions)) {
 const kStep = Math.PI / 24;
 const arrows = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]};
 const keys = {
-  f: 'frame', v: 'slice', t: 'path', c: 'measured', m: 'measure', p: 'picture', e: 'record', '?': 'keys',
+  f: 'frame', v: 'slice', t: 'path', c: 'measured', g: 'coverage', m: 'measure', p: 'picture', e: 'record', '?': 'keys',
 };
 const sides = {l: 'L', r: 'R', a: 'A', o: 'P', s: 'S', i: 'I'};
 

@@ -26,6 +26,9 @@ class Reader {
   bytes(count) {
     return this.#take(Int8Array, count);
   }
+  distances(count) {
+    return this.#take(Uint8Array, 4 * Math.ceil(count / 4)).subarray(0, count);
+  }
   indices(count) {
     return this.#take(Uint32Array, count);
   }
@@ -45,6 +48,7 @@ function readBrick(reader) {
     surfaces.set(label, {
       positions: reader.floats(3 * vertices).slice(),
       shades: reader.bytes(4 * vertices).slice(),
+      distances: reader.distances(vertices).slice(),
       indices: reader.indices(indices).slice(),
     });
   }

@@ -1,4 +1,6 @@
 // status of the server -> [PANEL] -> words and numbers beside the picture
+import {kTold} from './surfaces.js';
+
 const kNumbers = new Intl.NumberFormat('en', {maximumSignificantDigits: 4});
 
 function element(name, attributes = {}, ...children) {
@@ -54,6 +56,21 @@ export function showRecording(line, {file, running, seconds, records, not_record
   const lost = not_recorded ? [`${not_recorded} not recorded`] : [];
   line.textContent = [running ? `recording ${file}` : file, `${seconds.toFixed(0)} s`, `${records} records`, ...lost,
                       failure].filter(Boolean).join(', ');
+}
+
+const kMillimetres = new Intl.NumberFormat('en', {maximumSignificantDigits: 2, style: 'unit', unit: 'millimeter'});
+
+/** What the colours tell, from their low end to the high one. */
+export function showRamp(from, to, told, near_mm) {
+  const far = `≥ ${kMillimetres.format(4 * near_mm)}`, near = `≤ ${kMillimetres.format(near_mm)}`;
+  [from.textContent, to.textContent] = told === kTold.coverage ? [far, near] : ['estimated', 'measured'];
+}
+
+/** What the millimetres of the colours are, how much was seen, and how large what is missing is in one piece. */
+export function showSeen(line, {volume_ml, seen, gap}) {
+  const missing = gap ? `. The disc shows ${kNumbers.format(gap.volume_ml)} ml that no slice came near` : '';
+  const all = `${(100 * seen).toFixed(1)} % of ${kNumbers.format(volume_ml)} ml seen`;
+  line.textContent = `to the nearest slice. ${all}${missing}.`;
 }
 
 const kLedgerNames = {

@@ -5,6 +5,8 @@ import {makeSkin} from './skin.js';
 
 /** Bricks along an edge of a block: one mesh a block and label, so that many bricks are few draw calls. */
 const kBlock = 4;
+/** What the colour of a surface tells. */
+export const kTold = {label: 0, confidence: 1, coverage: 2};
 /** The enclosing one of several labels begins as glass, so that what it holds is seen. */
 const kGlass = 0.3;
 
@@ -15,7 +17,8 @@ export class Surfaces {
     this.looks = new Map();   // label -> {skin, visible, opacity, chosen}
     this.bricks = 0;
     this.faces = 0;
-    this.measured = false;
+    this.told = kTold.label;
+    this.near_mm = {value: 5};
   }
 
   clear() {
@@ -53,7 +56,11 @@ export class Surfaces {
   }
 
   look(label) {
-    if (!this.looks.has(label)) this.looks.set(label, {skin: makeSkin(), visible: true, opacity: 1, chosen: false});
+    if (!this.looks.has(label)) {
+      const skin = makeSkin(this.near_mm);
+      skin.userData.told.value = this.told;
+      this.looks.set(label, {skin, visible: true, opacity: 1, chosen: false});
+    }
     return this.looks.get(label);
   }
 
@@ -62,9 +69,9 @@ export class Surfaces {
     this.#wear(label);
   }
 
-  showMeasured(on) {
-    this.measured = on;
-    for (const {skin} of this.looks.values()) skin.userData.measured.value = on ? 1 : 0;
+  tell(told) {
+    this.told = told;
+    for (const {skin} of this.looks.values()) skin.userData.told.value = told;
   }
 
   box() {
@@ -94,7 +101,6 @@ export class Surfaces {
     const mesh = new Mesh(joined(parts), skin);
     mesh.visible = visible;
     mesh.userData.label = label;
-    skin.userData.measured.value = this.measured ? 1 : 0;
     block.meshes.set(label, mesh);
     this.group.add(mesh);
   }
@@ -120,19 +126,21 @@ export class Surfaces {
 function joined(parts) {
   const sum = (name) => parts.reduce((total, part) => total + part[name].length, 0);
   const positions = new Float32Array(sum('positions')), shades = new Int8Array(sum('shades'));
-  const indices = new Uint32Array(sum('indices'));
+  const indices = new Uint32Array(sum('indices')), distances = new Uint8Array(sum('distances'));
   let vertex = 0, index = 0;
   for (const part of parts) {
     positions.set(part.positions, 3 * vertex);
     shades.set(part.shades, 4 * vertex);
+    distances.set(part.distances, vertex);
     for (const i of part.indices) indices[index++] = vertex + i;
-    vertex += part.shades.length / 4;
+    vertex += part.distances.length;
   }
   const geometry = new BufferGeometry();
   const shade = new InterleavedBuffer(shades, 4);
   geometry.setAttribute('position', new BufferAttribute(positions, 3));
   geometry.setAttribute('normal', new InterleavedBufferAttribute(shade, 3, 0, true));
   geometry.setAttribute('measured', new InterleavedBufferAttribute(shade, 1, 3, true));
+  geometry.setAttribute('quarters', new BufferAttribute(distances, 1));
   geometry.setIndex(new BufferAttribute(indices, 1));
   geometry.computeBoundingBox();
   geometry.computeBoundingSphere();

@@ -7,6 +7,8 @@ import subprocess
 import sys
 import time
 
+import accuracy
+import methods
 import table
 
 BUILD = pathlib.Path("build/release")
@@ -62,10 +64,37 @@ def measure_unknown():
     return masked + run("bench_sweep", "passes", 1000) + run("bench_sweep", "still", 300)
 
 
+def compare_methods(renew_page):
+    records = methods.measure(run, SETS)
+    (BUILD / "bench-methods.json").write_text(json.dumps({"machine": machine(), "records": records}, indent=1))
+    words = f"{table.machine_text(machine())}\n\n{methods.text(records)}"
+    print(words)
+    if renew_page:
+        methods.write_page(words)
+
+
+def measure_accuracy(renew_page):
+    records = run("bench_accuracy", accuracy.DEPTH)
+    (BUILD / "bench-accuracy.json").write_text(json.dumps({"machine": machine(), "records": records}, indent=1))
+    print(accuracy.text(records))
+    if renew_page:
+        import accuracy_plots  # here, because a plain run needs no matplotlib
+
+        accuracy.write_page(records)
+        accuracy_plots.write(records)
+
+
 def main():
     parser = argparse.ArgumentParser(prog="run bench", description=__doc__)
-    parser.add_argument("--plots", action="store_true", help="also draw the plots of docs/bench and renew its table")
+    parser.add_argument("part", nargs="?", choices=["methods", "accuracy"],
+                        help="only the methods of docs/methods.md, only the accuracy of docs/accuracy.md")
+    parser.add_argument("--plots", action="store_true", help="also draw the plots of docs/bench and renew its table; "
+                        "of methods and accuracy: renew their own pages")
     options = parser.parse_args()
+    if options.part == "methods":
+        return compare_methods(options.plots)
+    if options.part == "accuracy":
+        return measure_accuracy(options.plots)
     start = time.monotonic()
     result = {"machine": machine(), "records": run("bench_wire") + run("bench_field") + run("bench_mesh") +
               run("bench_background") + measure_sets() + measure_unknown()}

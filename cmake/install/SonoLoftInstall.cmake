@@ -13,7 +13,7 @@ set(from_here "${CMAKE_CURRENT_LIST_DIR}")
 
 # The components and their rooms.
 set(rooms_protocol protocol)
-set(rooms_core slice background cells completion field gpu octree mesh display coverage reconstructor io voxels tracking segmentation)
+set(rooms_core slice background cells slopes completion field gpu octree mesh display coverage reconstructor io voxels tracking segmentation)
 set(rooms_scan device usb scan record)
 set(rooms_probe firmware port probe simulator simulated)
 set(rooms_cpp ${rooms_protocol} ${rooms_core} ${rooms_scan} ${rooms_probe})

@@ -118,6 +118,32 @@ void CellComplex::locate(const Eigen::AlignedBox3d& bounds, std::span<const Eige
       groups.push_back({CellId{static_cast<std::uint32_t>(~job.node)}, job.first, job.last - job.first});
   }
 }
+
+void CellComplex::touching(const Eigen::Vector3d& a_mm, const Eigen::Vector3d& b_mm, std::vector<CellId>& out) const {
+  struct Job {
+    std::int32_t node;
+    Eigen::Vector3d a, b;
+  };
+  const double near = 1e-9 * store_->scale;
+  std::vector<Job> stack{{store_->root, a_mm, b_mm}};
+  while (!stack.empty()) {
+    const Job job = stack.back();
+    stack.pop_back();
+    if (job.node < 0) {
+      out.push_back(CellId{static_cast<std::uint32_t>(~job.node)});
+      continue;
+    }
+    const TreeNode& node = store_->nodes[static_cast<std::size_t>(job.node)];
+    const double sa = store_->planes[node.plane].distance(job.a), sb = store_->planes[node.plane].distance(job.b);
+    const bool crosses = std::min(sa, sb) < -near && std::max(sa, sb) > near;
+    const Eigen::Vector3d cut = crosses ? Eigen::Vector3d(job.a + sa / (sa - sb) * (job.b - job.a)) : job.a;
+    if (std::max(sa, sb) >= -near)
+      stack.push_back({node.child[1], crosses && sa < 0.0 ? cut : job.a, crosses && sb < 0.0 ? cut : job.b});
+    if (std::min(sa, sb) <= near)
+      stack.push_back({node.child[0], crosses && sa > 0.0 ? cut : job.a, crosses && sb > 0.0 ? cut : job.b});
+  }
+}
+
 std::string CellComplex::validate() const {
   return sonoloft::validate(*store_);
 }

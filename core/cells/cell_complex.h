@@ -135,6 +135,11 @@ class CellComplex {
   void locate(const Eigen::AlignedBox3d& bounds, std::span<const Eigen::Vector3d> points_mm,
               std::vector<std::uint32_t>& order, std::vector<CellPoints>& groups) const;
 
+  /// The cells that a segment touches, those at whose walls it lies among them: a superset by rounding.
+  /// @param out  appended to, in the order of the tree, each cell once
+  /// @cost  O(depth of the tree * cells touched)
+  void touching(const Eigen::Vector3d& a_mm, const Eigen::Vector3d& b_mm, std::vector<CellId>& out) const;
+
   /// Empty when the complex is sound, else what is wrong: Euler's formula per cell, two faces at every edge, vertices
   /// on the planes of their faces and within all others, the tree leading to the cell; over all cells, a cell on both
   /// sides of every wall and volumes that add up to the box, to 10^-9 or what rounding of coordinates leaves.

@@ -70,8 +70,8 @@ std::pair<FacePolygon, FacePolygon> split(const FacePolygon& polygon, const Imag
       below.push_back(e);
     } else {
       const Crossing& c = crossings.emplace_back(cross(e, sa, sb, along));
-      const FaceEdge first{e.a, c.point, e.left, e.right};
-      const FaceEdge second{c.point, e.b, e.left, e.right};
+      const FaceEdge first{e.a, c.point, e.left, e.right, e.source};
+      const FaceEdge second{c.point, e.b, e.left, e.right, e.source};
       if (first.a != first.b) (sa < 0.0 ? below : above).push_back(first);
       if (second.a != second.b) (sb < 0.0 ? below : above).push_back(second);
     }

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -10,11 +11,15 @@ namespace sonoloft {
 /// What lies right of the outline of a face: nothing of this face.
 inline constexpr Label kBeyondFace = 0xFFFD;
 
+/// Of a piece of an outline.
+inline constexpr std::uint32_t kNoSource = 0xFFFFFFFF;
+
 /// A straight piece of the border between two labels of a face, or of the face's outline (right == kBeyondFace).
 /// Frame: image of the face's plane, mm.
 struct FaceEdge {
   Eigen::Vector2d a, b;
   Label left, right;  ///< seen with the plane's normal towards the eye
+  std::uint32_t source = kNoSource;  ///< the edge of the slice's section that this is a piece of; of an outline: none
 };
 
 /// A convex face with its labels: its outline, counter-clockwise and cut where the label inside changes, and the label

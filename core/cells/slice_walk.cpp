@@ -14,8 +14,10 @@ FacePolygon whole_section(const CellStore& store, const Section& section) {
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(0.01 * extent.diagonal().norm());
   FacePolygon polygon = rectangle({extent.min() - margin, extent.max() + margin}, section.border);
   polygon.reserve(polygon.size() + section.edges.size());
-  for (const SectionEdge& e : section.edges)
-    polygon.push_back({section.points[e.a], section.points[e.b], e.left, e.right});
+  for (std::uint32_t i = 0; i < section.edges.size(); ++i) {
+    const SectionEdge& e = section.edges[i];
+    polygon.push_back({section.points[e.a], section.points[e.b], e.left, e.right, i});
+  }
   for (std::uint32_t wall = 0; wall < kBoxWalls; ++wall) {
     ImageLine line;
     if (store.line_on(wall, section.image_to_reference, line))

@@ -22,14 +22,17 @@ class CpuEvaluator final : public FieldEvaluator {
 
  private:
   [[nodiscard]] Result<void> compute_shares(FieldBatch& batch) override {
+    batch.weight.resize(batch.weight_count);
     const kernels::CpuKernelArguments arguments = {batch.cells.cells().data(),
                                                    batch.cells.faces().data(),
                                                    batch.cells.runs().data(),
                                                    batch.cells.edges().data(),
+                                                   batch.cells.vertices().data(),
                                                    batch.tasks.data(),
                                                    batch.x.data(),
                                                    batch.y.data(),
                                                    batch.z.data(),
+                                                   batch.weight.data(),
                                                    batch.share.data()};
     parallel_for(batch.tasks.size(), kTasksPerPiece, threads_, [&](std::size_t first, std::size_t last) {
       kernel_.run(arguments, static_cast<kernels::u32>(first), static_cast<kernels::u32>(last));

@@ -89,7 +89,8 @@ SONOLOFT_FUNCTION Real multiply_add(Real a, Real b, Real c) {
 }  // namespace
 
 void SONOLOFT_CPU_KERNEL(const CpuKernelArguments& arguments, u32 first, u32 last) {
-  const FieldBuffers buffers = {arguments.cells, arguments.faces, arguments.runs, arguments.edges, arguments.share};
+  const FieldBuffers buffers = {arguments.cells,    arguments.faces,  arguments.runs, arguments.edges,
+                                arguments.vertices, arguments.weight, arguments.share};
   for (u32 t = first; t < last; ++t) {
     const PackedTask task = arguments.tasks[t];
     for (u32 lane = 0; lane < SONOLOFT_LANES; lane += kWidth) {

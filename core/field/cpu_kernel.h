@@ -10,9 +10,10 @@ struct CpuKernelArguments {
   const PackedFace* faces;
   const PackedRun* runs;
   const PackedEdge* edges;
+  const PackedVertex* vertices;
   const PackedTask* tasks;
   const float *x, *y, *z;
-  float* share;
+  float *weight, *share;
 };
 
 /// Tasks [first, last); different tasks may run on different threads.

@@ -26,6 +26,8 @@ struct FieldBatch {
   std::vector<kernels::PackedTask> tasks;  ///< the blocks cut into whole lanes
   std::vector<float> x, y, z;              ///< [#P] mm, relative to the centre of the block's cell
   std::size_t share_count = 0;             ///< length of `share` that the blocks need
+  std::size_t weight_count = 0;            ///< length of `weight` that the blocks need
+  std::vector<float> weight;               ///< room for the evaluator to work in
   std::vector<float> share;                ///< per block: [slots of its cell][stride]; written by evaluate()
 
   void clear();         ///< cells and points

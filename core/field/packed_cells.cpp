@@ -24,6 +24,10 @@ std::uint32_t slot_of(Label label, std::span<const Label> slots, std::uint32_t u
   return static_cast<std::uint32_t>(std::lower_bound(slots.begin(), slots.end(), label) - slots.begin());
 }
 
+bool moves(const VertexBend& bend) {
+  return bend.slope != 0 || bend.curvature_per_mm != 0;
+}
+
 }  // namespace
 
 void PackedCells::clear() {
@@ -31,12 +35,13 @@ void PackedCells::clear() {
   faces_.clear();
   runs_.clear();
   edges_.clear();
+  vertices_.clear();
   labels_.clear();
   centres_mm_.clear();
 }
 
 std::uint32_t PackedCells::add(std::span<const CellFace> faces, const Eigen::Vector3d& centre_mm,
-                               std::span<const std::uint32_t> apart) {
+                               std::span<const std::uint32_t> apart, std::span<const FaceBends> bends) {
   const auto index = static_cast<std::uint32_t>(cells_.size());
   const auto first_label = static_cast<std::uint32_t>(labels_.size());
   const auto first_face = static_cast<std::uint32_t>(faces_.size());
@@ -49,7 +54,8 @@ std::uint32_t PackedCells::add(std::span<const CellFace> faces, const Eigen::Vec
     auto next_apart = static_cast<std::uint32_t>(slots.size() - apart.size());
     for (std::uint32_t i = 0; i < faces.size(); ++i) {
       const bool is_apart = std::binary_search(apart.begin(), apart.end(), i);
-      add_face(faces[i], centre_mm, unit_mm, slots, is_apart ? next_apart++ : first_unknown);
+      add_face(faces[i], centre_mm, unit_mm, slots, is_apart ? next_apart++ : first_unknown,
+               bends.empty() ? FaceBends{} : bends[i]);
     }
   }
   const auto face_count = static_cast<std::uint32_t>(faces_.size()) - first_face;
@@ -61,8 +67,11 @@ std::uint32_t PackedCells::add(std::span<const CellFace> faces, const Eigen::Vec
 std::uint32_t PackedCells::edge_count(std::uint32_t cell) const {
   std::uint32_t count = 0;
   const kernels::PackedCell& c = cells_[cell];
-  for (const kernels::PackedFace& face : faces().subspan(c.first_face, c.face_count))
-    for (const kernels::PackedRun& run : runs().subspan(face.first_run, face.run_count)) count += run.edge_count;
+  for (const kernels::PackedFace& face : faces().subspan(c.first_face, c.face_count)) {
+    count += face.outline_count;
+    for (const kernels::PackedRun& run : runs().subspan(face.first_run, face.rigid_count + face.bent_count))
+      count += run.count;
+  }
   return count;
 }
 
@@ -85,44 +94,106 @@ void PackedCells::collect_labels(std::span<const CellFace> faces, std::span<cons
 }
 
 void PackedCells::add_face(const CellFace& face, const Eigen::Vector3d& centre_mm, double unit_mm,
-                           std::span<const Label> slots, std::uint32_t unknown_slot) {
+                           std::span<const Label> slots, std::uint32_t unknown_slot, const FaceBends& bends) {
   const Eigen::Vector3d centre = face.image_to_reference->inverse() * centre_mm;
-  scratch_.clear();
-  for (const FaceEdge& edge : *face.polygon) {
-    std::uint32_t left = slot_of(edge.left, slots, unknown_slot), right = slot_of(edge.right, slots, unknown_slot);
-    // The sum over an edge changes sign with its direction, so every pair of labels needs one run only.
-    const bool turn = left > right;
-    if (turn) std::swap(left, right);
-    const Eigen::Vector2f start = (((turn ? edge.b : edge.a) - centre.head<2>()) / unit_mm).cast<float>();
-    const Eigen::Vector2f along = ((turn ? edge.a - edge.b : edge.b - edge.a) / unit_mm).cast<float>();
-    const float length2 = along.squaredNorm();
-    if (length2 > 0)
-      scratch_.push_back({{start.x(), start.y(), along.x(), along.y(), length2},
-                          left,
-                          right,
-                          static_cast<std::uint32_t>(scratch_.size())});
-  }
-  if (scratch_.empty()) return;
-  std::sort(scratch_.begin(), scratch_.end(), [](const SlottedEdge& a, const SlottedEdge& b) {
-    return std::tie(a.left, a.right, a.order) < std::tie(b.left, b.right, b.order);
-  });
-
-  const auto first_run = static_cast<std::uint32_t>(runs_.size());
-  for (const SlottedEdge& e : scratch_) {
-    if (runs_.size() == first_run || runs_.back().left != e.left || runs_.back().right != e.right)
-      runs_.push_back({static_cast<std::uint32_t>(edges_.size()), 0, e.left, e.right});
-    ++runs_.back().edge_count;
-    edges_.push_back(e.edge);
-  }
+  const Image image = {centre.head<2>(), unit_mm, face.above ? 1.0f : -1.0f};
+  const std::span<const EdgeBends> edge_bends = bends.bends.empty() || face.label != kBeyondFace
+                                                    ? std::span<const EdgeBends>()
+                                                    : bent_face_.bend(*face.polygon, bends);
+  collect_edges(*face.polygon, slots, unknown_slot, edge_bends);
+  if (slotted_.empty()) return;
+  kernels::PackedFace packed{};
+  packed.first_run = static_cast<std::uint32_t>(runs_.size());
+  std::size_t i = 0;
+  for (; i < slotted_.size() && !slotted_[i].bent; ++packed.rigid_count) i = add_rigid_run(*face.polygon, image, i);
+  for (; i < slotted_.size(); ++packed.bent_count) i = add_bent_run(*face.polygon, image, edge_bends, i);
+  packed.first_outline = static_cast<std::uint32_t>(edges_.size());
+  for (const FaceEdge& edge : *face.polygon)
+    if (packed.bent_count != 0 && edge.right == kBeyondFace) add_edge(image, edge.a, edge.b);
+  packed.outline_count = static_cast<std::uint32_t>(edges_.size()) - packed.first_outline;
   // The in-plane sums are the same seen from either side of the plane; only the height must count from the cell's side.
   const Eigen::Matrix3d& axes = face.image_to_reference->linear();
-  const double side = (face.above ? 1 : -1) / unit_mm;
   const Eigen::Vector3f u = (axes.col(0) / unit_mm).cast<float>();
   const Eigen::Vector3f v = (axes.col(1) / unit_mm).cast<float>();
-  const Eigen::Vector3f n = (axes.col(2) * side).cast<float>();
-  faces_.push_back({u.x(), u.y(), u.z(), v.x(), v.y(), v.z(), n.x(), n.y(), n.z(),
-                    static_cast<float>(centre.z() * side), first_run,
-                    static_cast<std::uint32_t>(runs_.size()) - first_run});
+  const Eigen::Vector3f n = (axes.col(2) * (image.side / unit_mm)).cast<float>();
+  packed.ux = u.x(), packed.uy = u.y(), packed.uz = u.z();
+  packed.vx = v.x(), packed.vy = v.y(), packed.vz = v.z();
+  packed.nx = n.x(), packed.ny = n.y(), packed.nz = n.z();
+  packed.height = static_cast<float>(centre.z() * image.side / unit_mm);
+  faces_.push_back(packed);
+}
+
+void PackedCells::add_edge(const Image& image, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2f start = image(a);
+  const Eigen::Vector2f along = ((b - a) / image.unit_mm).cast<float>();
+  const float length2 = along.squaredNorm();
+  if (length2 > 0) edges_.push_back({start.x(), start.y(), along.x(), along.y(), length2});
+}
+
+void PackedCells::add_vertex(const Image& image, const Eigen::Vector2d& point, const VertexBend& bend) {
+  const Eigen::Vector2f at = image(point);
+  vertices_.push_back({at.x(), at.y(), bend.outward.x(), bend.outward.y(), image.side * bend.slope,
+                       static_cast<float>(bend.curvature_per_mm * image.unit_mm),
+                       static_cast<float>(bend.fading_per_mm * image.unit_mm)});
+}
+
+/// Fills slotted_: the rigid edges first, then by slots; of these in the order in which they follow each other along a
+/// contour.
+void PackedCells::collect_edges(const FacePolygon& polygon, std::span<const Label> slots, std::uint32_t unknown_slot,
+                                std::span<const EdgeBends> bends) {
+  slotted_.clear();
+  for (std::uint32_t i = 0; i < polygon.size(); ++i) {
+    if (polygon[i].a == polygon[i].b) continue;
+    const std::uint32_t left = slot_of(polygon[i].left, slots, unknown_slot);
+    const std::uint32_t right = slot_of(polygon[i].right, slots, unknown_slot);
+    // The sum over an edge changes sign with its direction, so every pair of labels needs one kind of run only.
+    const bool bent = !bends.empty() && (moves(bends[i].a) || moves(bends[i].b));
+    slotted_.push_back({i, bent, left > right, std::min(left, right), std::max(left, right)});
+  }
+  std::sort(slotted_.begin(), slotted_.end(), [](const SlottedEdge& a, const SlottedEdge& b) {
+    const auto key = [](const SlottedEdge& e) {
+      const bool backward = e.bent && e.turned;
+      return std::tuple(e.bent, e.left, e.right, backward, backward ? ~e.edge : e.edge);
+    };
+    return key(a) < key(b);
+  });
+}
+
+/// All edges from slotted_[first] on with the same slots. @return the first one after them
+std::size_t PackedCells::add_rigid_run(const FacePolygon& polygon, const Image& image, std::size_t first) {
+  const SlottedEdge& run = slotted_[first];
+  const auto first_edge = static_cast<std::uint32_t>(edges_.size());
+  std::size_t i = first;
+  for (; i < slotted_.size(); ++i) {
+    const SlottedEdge& e = slotted_[i];
+    if (e.bent || e.left != run.left || e.right != run.right) break;
+    const FaceEdge& edge = polygon[e.edge];
+    e.turned ? add_edge(image, edge.b, edge.a) : add_edge(image, edge.a, edge.b);
+  }
+  runs_.push_back({first_edge, static_cast<std::uint32_t>(edges_.size()) - first_edge, run.left, run.right});
+  return i;
+}
+
+/// The chain of edges that starts with slotted_[first]. @return the first one after them
+std::size_t PackedCells::add_bent_run(const FacePolygon& polygon, const Image& image, std::span<const EdgeBends> bends,
+                                      std::size_t first) {
+  const SlottedEdge& run = slotted_[first];
+  const auto first_vertex = static_cast<std::uint32_t>(vertices_.size());
+  const Eigen::Vector2d* last = nullptr;
+  std::size_t i = first;
+  for (; i < slotted_.size(); ++i) {
+    const SlottedEdge& e = slotted_[i];
+    const FaceEdge& edge = polygon[e.edge];
+    const Eigen::Vector2d& a = e.turned ? edge.b : edge.a;
+    const Eigen::Vector2d& b = e.turned ? edge.a : edge.b;
+    if (e.left != run.left || e.right != run.right || (last != nullptr && a != *last)) break;
+    if (last == nullptr) add_vertex(image, a, e.turned ? bends[e.edge].b : bends[e.edge].a);
+    add_vertex(image, b, e.turned ? bends[e.edge].a : bends[e.edge].b);
+    last = &b;
+  }
+  const auto count = static_cast<std::uint32_t>(vertices_.size()) - first_vertex - 1;
+  runs_.push_back({first_vertex, count, run.left, run.right});
+  return i;
 }
 
 }  // namespace sonoloft

@@ -5,14 +5,16 @@
 #include <vector>
 
 #include "core/cells/cell_complex.h"
+#include "core/field/bent_face.h"
 #include "core/kernels/layout.h"
 #include "core/slice/label.h"
 
 namespace sonoloft {
 
 /// Cells in the form that the field kernels read: edges sorted by face and pair of labels, in single precision relative
-/// to the centre of their cell and in units of its size. What a kernel calls a slot is a label of the cell.
-/// Threads: one writer; const members may run together, but not during add() or clear().
+/// to the centre of their cell and in units of its size. What a kernel calls a slot is a label of the cell. Of the
+/// parts of a face the kernel takes the whole face and all parts but one: what is left belongs to that one. Threads:
+/// one writer; const members may run together, but not during add() or clear().
 class PackedCells {
  public:
   void clear();
@@ -20,10 +22,11 @@ class PackedCells {
   /// Appends a cell. A cell is constant when all of its walls are of one label, kUnknown among these.
   /// @param centre_mm  CellComplex::centre(), reference frame
   /// @param apart      ascending, indices of faces with unknown parts that get a slot each
+  /// @param bends      [faces] how contours move with the height over their face; empty: none moves
   /// @return the cell's index here, 0, 1, ...
   /// @cost   O(#edges log #edges); allocates only when the buffers grow
   std::uint32_t add(std::span<const CellFace> faces, const Eigen::Vector3d& centre_mm,
-                    std::span<const std::uint32_t> apart = {});
+                    std::span<const std::uint32_t> apart = {}, std::span<const FaceBends> bends = {});
 
   [[nodiscard]] std::size_t size() const { return cells_.size(); }
   /// The label of each slot, ascending: kUnknown comes last, once for all walls with unknown parts that are not apart,
@@ -40,23 +43,44 @@ class PackedCells {
   [[nodiscard]] std::span<const kernels::PackedFace> faces() const { return faces_; }
   [[nodiscard]] std::span<const kernels::PackedRun> runs() const { return runs_; }
   [[nodiscard]] std::span<const kernels::PackedEdge> edges() const { return edges_; }
+  [[nodiscard]] std::span<const kernels::PackedVertex> vertices() const { return vertices_; }
 
  private:
+  /// A border or a piece of an outline, between the slots left < right.
   struct SlottedEdge {
-    kernels::PackedEdge edge;
-    std::uint32_t left, right, order;
+    std::uint32_t edge;  ///< of the polygon
+    bool bent, turned;   ///< turned: its labels were the other way round, so it goes from b to a
+    std::uint32_t left, right;
+  };
+  /// Image of a face's plane, in units of the cell's size.
+  struct Image {
+    Eigen::Vector2d centre;
+    double unit_mm;
+    float side;  ///< +1: the cell lies on the side of the normal
+    [[nodiscard]] Eigen::Vector2f operator()(const Eigen::Vector2d& p) const {
+      return ((p - centre) / unit_mm).cast<float>();
+    }
   };
   void collect_labels(std::span<const CellFace> faces, std::span<const std::uint32_t> apart);
   void add_face(const CellFace& face, const Eigen::Vector3d& centre_mm, double unit_mm, std::span<const Label> slots,
-                std::uint32_t unknown_slot);
+                std::uint32_t unknown_slot, const FaceBends& bends);
+  void add_edge(const Image& image, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
+  void add_vertex(const Image& image, const Eigen::Vector2d& point, const VertexBend& bend);
+  void collect_edges(const FacePolygon& polygon, std::span<const Label> slots, std::uint32_t unknown_slot,
+                     std::span<const EdgeBends> bends);
+  [[nodiscard]] std::size_t add_rigid_run(const FacePolygon& polygon, const Image& image, std::size_t first);
+  [[nodiscard]] std::size_t add_bent_run(const FacePolygon& polygon, const Image& image,
+                                         std::span<const EdgeBends> bends, std::size_t first);
 
   std::vector<kernels::PackedCell> cells_;
   std::vector<kernels::PackedFace> faces_;
   std::vector<kernels::PackedRun> runs_;
   std::vector<kernels::PackedEdge> edges_;
+  std::vector<kernels::PackedVertex> vertices_;
   std::vector<Label> labels_;
   std::vector<Eigen::Vector3d> centres_mm_;
-  std::vector<SlottedEdge> scratch_;
+  std::vector<SlottedEdge> slotted_;
+  BentFace bent_face_;
 };
 
 }  // namespace sonoloft

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/cells/cell_complex.h"
+#include "core/field/bent_face.h"
 #include "core/slice/label.h"
 
 namespace sonoloft {
@@ -21,9 +22,10 @@ struct ReferenceShares {
 
 /// The field at one point in double precision, straight from the faces, one arc tangent per edge: what the kernels are
 /// measured against. Points nearer to a wall than `min_height_mm` are held that far off it.
+/// @param bends  [faces] how contours move with the height over their face; empty: none moves
 /// Frame: reference, mm. @pre the cell has edges; min_height_mm > 0
 /// @cost O(#edges), slow. Threads: any.
 [[nodiscard]] ReferenceShares reference_shares(std::span<const CellFace> faces, const Eigen::Vector3d& point_mm,
-                                               double min_height_mm);
+                                               double min_height_mm, std::span<const FaceBends> bends = {});
 
 }  // namespace sonoloft

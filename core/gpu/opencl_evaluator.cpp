@@ -17,7 +17,7 @@ namespace {
 using kernels::u32;
 
 constexpr std::size_t kLanes = SONOLOFT_LANES;
-constexpr cl_uint kFirstTaskArgument = 5;  ///< of the kernel; then the last task
+constexpr cl_uint kFirstTaskArgument = 6;  ///< of the kernel; then the last task
 /// Enough to keep a graphics device busy, little enough to be copied while another such piece is computed.
 constexpr std::size_t kTasksPerPiece = 4096;
 
@@ -50,6 +50,7 @@ class DeviceArray {
  public:
   /// Room for `bytes`; what was in it is gone when it grows.
   cl_int reserve(const cl::Context& context, std::size_t bytes) {
+    bytes = std::max(bytes, kLeastBytes);
     if (bytes <= capacity_) return CL_SUCCESS;
     cl_int code = CL_SUCCESS;
     const std::size_t wanted = bytes + bytes / 2;
@@ -61,6 +62,8 @@ class DeviceArray {
   [[nodiscard]] const cl::Buffer& buffer() const { return buffer_; }
 
  private:
+  static constexpr std::size_t kLeastBytes = 16;  // a buffer of no bytes is an error
+
   cl::Buffer buffer_;
   std::size_t capacity_ = 0;
 };
@@ -105,15 +108,17 @@ class OpenClEvaluator final : public FieldEvaluator {
       return code != CL_SUCCESS ? code : write(array, values, 0, values.size(), nullptr);
     };
     cl_int code = std::min({upload(cells_, batch.cells.cells()), upload(faces_, batch.cells.faces()),
-                            upload(runs_, batch.cells.runs()), upload(edges_, batch.cells.edges())});
+                            upload(runs_, batch.cells.runs()), upload(edges_, batch.cells.edges()),
+                            upload(vertices_, batch.cells.vertices())});
     code = std::min({code, tasks_.reserve(on_.context, bytes_of(batch.tasks)),
                      x_.reserve(on_.context, bytes_of(batch.x)), y_.reserve(on_.context, bytes_of(batch.y)),
-                     z_.reserve(on_.context, bytes_of(batch.z)), share_.reserve(on_.context, bytes_of(batch.share))});
+                     z_.reserve(on_.context, bytes_of(batch.z)), weight_.reserve(on_.context, sizeof(float) * batch.weight_count),
+                     share_.reserve(on_.context, bytes_of(batch.share))});
     cl_uint argument = 0;
     const auto set = [&](const auto& value) { code = std::min(code, kernel_.setArg(argument++, value)); };
-    for (const DeviceArray* array : {&cells_, &faces_, &runs_, &edges_, &tasks_}) set(array->buffer());
+    for (const DeviceArray* array : {&cells_, &faces_, &runs_, &edges_, &vertices_, &tasks_}) set(array->buffer());
     argument = kFirstTaskArgument + 2;
-    for (const DeviceArray* array : {&x_, &y_, &z_, &share_}) set(array->buffer());
+    for (const DeviceArray* array : {&x_, &y_, &z_, &weight_, &share_}) set(array->buffer());
     return code;  // errors are negative, success is 0
   }
 
@@ -145,6 +150,7 @@ class OpenClEvaluator final : public FieldEvaluator {
   template <class Range>
   cl_int write(const DeviceArray& to, const Range& values, std::size_t first, std::size_t last, cl::Event* done) {
     constexpr std::size_t kSize = sizeof(*values.data());
+    if (first == last) return CL_SUCCESS;  // copying nothing is an error
     return on_.copies.enqueueWriteBuffer(to.buffer(), CL_FALSE, first * kSize, (last - first) * kSize,
                                          values.data() + first, nullptr, done);
   }
@@ -152,7 +158,7 @@ class OpenClEvaluator final : public FieldEvaluator {
   OpenClDevice on_;
   cl::Kernel kernel_;
   u32 width_;
-  DeviceArray cells_, faces_, runs_, edges_, tasks_, x_, y_, z_, share_;
+  DeviceArray cells_, faces_, runs_, edges_, vertices_, tasks_, x_, y_, z_, weight_, share_;
 };
 
 /// Points per work-item: a divisor of SONOLOFT_LANES.

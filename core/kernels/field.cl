@@ -39,14 +39,15 @@ typedef SONOLOFT_VECTOR(int, SONOLOFT_WIDTH) Mask;  // -1 where true
 
 __kernel void field_shares(__global const PackedCell* cells, __global const PackedFace* faces,
                            __global const PackedRun* runs, __global const PackedEdge* edges,
-                           __global const PackedTask* tasks, u32 first_task, u32 last_task, __global const float* x,
-                           __global const float* y, __global const float* z, __global float* share) {
+                           __global const PackedVertex* vertices, __global const PackedTask* tasks, u32 first_task,
+                           u32 last_task, __global const float* x, __global const float* y, __global const float* z,
+                           __global float* weight, __global float* share) {
   const u32 pieces = SONOLOFT_LANES / SONOLOFT_WIDTH;  // of a task
   const u32 index = (u32)get_global_id(0);
   if (first_task + index / pieces >= last_task) return;
   const PackedTask task = tasks[first_task + index / pieces];
   const u32 lane = index % pieces * SONOLOFT_WIDTH;
   const u32 point = task.first_point + lane;
-  const FieldBuffers buffers = {cells, faces, runs, edges, share};
+  const FieldBuffers buffers = {cells, faces, runs, edges, vertices, weight, share};
   write_shares(&buffers, task, lane, load(x + point), load(y + point), load(z + point));
 }

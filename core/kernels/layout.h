@@ -24,18 +24,29 @@ typedef struct PackedEdge {
   float length2;           ///< |end - start|^2, > 0
 } PackedEdge;
 
-/// The edges [first_edge, first_edge + edge_count) of one face with the same labels beside them.
+/// A vertex of a chain of edges that moves along (outward_x, outward_y) with the height over its face: by
+/// (2 a / (1 + max(-c a, 0)) + c h^2) / (2 + (fading h)^4), where a = slope h sqrt(share of the face), c = curvature.
+typedef struct PackedVertex {
+  float x, y;
+  float outward_x, outward_y;
+  float slope;      ///< per height on the cell's side
+  float curvature;  ///< one over the cell's size
+  float fading;     ///< one over the cell's size
+} PackedVertex;
+
+/// Edges of one face with the same labels beside them.
 typedef struct PackedRun {
-  u32 first_edge, edge_count;
-  u32 left, right;  ///< slots; right may be SONOLOFT_NO_SLOT
+  u32 first, count;  ///< rigid: edges [first, first + count); bent: the edges between vertices [first, first + count]
+  u32 left, right;   ///< slots; right may be SONOLOFT_NO_SLOT
 } PackedRun;
 
 /// A face: maps a point relative to the cell's centre (mm) to its foot and height in units of the cell's size.
 typedef struct PackedFace {
   float ux, uy, uz;
   float vx, vy, vz;
-  float nx, ny, nz, height;  ///< (nx, ny, nz) points into the cell; height is that of the centre
-  u32 first_run, run_count;
+  float nx, ny, nz, height;                ///< (nx, ny, nz) points into the cell; height is that of the centre
+  u32 first_run, rigid_count, bent_count;  ///< runs: the rigid ones, then the bent
+  u32 first_outline, outline_count;        ///< edges around the whole face, when there are bent runs
 } PackedFace;
 
 typedef struct PackedCell {
@@ -49,11 +60,12 @@ typedef struct PackedTask {
   u32 cell;
   u32 first_point;
   u32 first_share, stride;
+  u32 first_weight;  ///< room for a weight of every face and lane
 } PackedTask;
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(PackedEdge) == 20 && sizeof(PackedRun) == 16 && sizeof(PackedFace) == 48);
-static_assert(sizeof(PackedCell) == 16 && sizeof(PackedTask) == 16);
+static_assert(sizeof(PackedEdge) == 20 && sizeof(PackedVertex) == 28 && sizeof(PackedRun) == 16);
+static_assert(sizeof(PackedFace) == 60 && sizeof(PackedCell) == 16 && sizeof(PackedTask) == 20);
 static_assert(std::is_trivially_copyable_v<PackedFace>);
 }  // namespace sonoloft::kernels
 #endif

@@ -165,8 +165,8 @@ void SampleOctree::note(const Background& background, std::span<const Background
   state_->background.add(background, changes);
 }
 
-void SampleOctree::note(std::span<const CellId> filled_anew) {
-  for (const CellId cell : filled_anew) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
+void SampleOctree::note(std::span<const CellId> changed) {
+  for (const CellId cell : changed) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
 }
 
 void SampleOctree::State::sort_contours() {
@@ -287,12 +287,12 @@ std::vector<BrickCoord> SampleOctree::State::smooth(const TouchedSamples& touche
   return result;
 }
 
-Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, FieldEvaluator& evaluator,
-                                                  const UnmeasuredFill& fill, int threads) {
+Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, const ContourSlopes* slopes,
+                                                  FieldEvaluator& evaluator, const UnmeasuredFill& fill, int threads) {
   State& s = *state_;
   const auto start = Clock::now();
   s.bricks_of_cell.resize(cells.cell_bound());
-  Sampler sampler(cells, evaluator, fill, s.origin_mm, s.spacing_mm, threads);
+  Sampler sampler(cells, slopes, evaluator, fill, s.origin_mm, s.spacing_mm, threads);
   OctantGrowth growth(s.bricks);
   TouchedSamples touched;
   std::vector<SampleJob> jobs = s.stale_jobs();

@@ -12,6 +12,7 @@
 #include "core/octree/brick.h"
 #include "core/octree/unmeasured_fill.h"
 #include "core/slice/result.h"
+#include "core/slopes/contour_slopes.h"
 
 namespace sonoloft {
 
@@ -47,14 +48,15 @@ class SampleOctree final : public SampleLattice {
   void note(const CellComplex& cells, const CellComplex::Withdrawal& withdrawal);
   /// The same for every Background::update().
   void note(const Background& background, std::span<const BackgroundChange> changes);
-  /// Cells in which what fills the unmeasured share is no longer what it was.
-  void note(std::span<const CellId> filled_anew);
+  /// Cells in which what fills the unmeasured share, or how contours move, is no longer what it was.
+  void note(std::span<const CellId> changed);
 
   /// Samples what was noted since the last update() made necessary.
   /// @error what the evaluator returned; the samples are then unusable
   /// @cost  O(samples in changed cells and in octants switched on or off)
-  [[nodiscard]] Result<Change> update(const CellComplex& cells, FieldEvaluator& evaluator, const UnmeasuredFill& fill,
-                                      int threads);
+  /// @param slopes  how contours move, or null: they do not
+  [[nodiscard]] Result<Change> update(const CellComplex& cells, const ContourSlopes* slopes, FieldEvaluator& evaluator,
+                                      const UnmeasuredFill& fill, int threads);
 
   [[nodiscard]] const Brick* find(BrickCoord coord) const override;
   [[nodiscard]] std::span<const ContourPiece> contours(BrickCoord coord) const override;

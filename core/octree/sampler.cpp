@@ -15,9 +15,10 @@ constexpr std::uint32_t kBoxWalls = 6;
 
 }  // namespace
 
-Sampler::Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const UnmeasuredFill& fill,
-                 const Eigen::Vector3d& origin_mm, double spacing_mm, int threads)
+Sampler::Sampler(const CellComplex& cells, const ContourSlopes* slopes, FieldEvaluator& evaluator,
+                 const UnmeasuredFill& fill, const Eigen::Vector3d& origin_mm, double spacing_mm, int threads)
     : cells_(cells),
+      slopes_(slopes),
       evaluator_(evaluator),
       fill_(fill),
       origin_mm_(origin_mm),
@@ -93,7 +94,12 @@ void Sampler::pack(std::uint32_t cell) {
       rims_.push_back(rim);
     }
   rims_of_packed_.push_back({first_rim, static_cast<std::uint32_t>(apart_.size())});
-  packed_of_cell_[cell] = batch_.cells.add(faces_, cells_.centre(CellId{cell}), apart_);
+  bends_.clear();
+  for (const CellFace& face : faces_) {
+    const std::optional<SliceId> slice = slopes_ == nullptr ? std::nullopt : cells_.slice_of(face.plane);
+    bends_.push_back(slice ? FaceBends{&cells_.section(*slice), slopes_->bends(*slice)} : FaceBends{});
+  }
+  packed_of_cell_[cell] = batch_.cells.add(faces_, cells_.centre(CellId{cell}), apart_, bends_);
   cell_of_packed_.push_back(cell);
   const auto first = static_cast<std::uint32_t>(pins_.size());
   for (const CellFace& face : faces_) {

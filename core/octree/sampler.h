@@ -8,6 +8,7 @@
 #include "core/octree/brick_pool.h"
 #include "core/octree/unmeasured_fill.h"
 #include "core/slice/scratch_pool.h"
+#include "core/slopes/contour_slopes.h"
 
 namespace sonoloft {
 
@@ -22,8 +23,9 @@ struct SampleJob {
 /// meanwhile.
 class Sampler {
  public:
-  /// @param fill  lives as long as the sampler
-  Sampler(const CellComplex& cells, FieldEvaluator& evaluator, const UnmeasuredFill& fill,
+  /// @param slopes  how contours move, or null: they do not
+  /// @param fill    this and slopes live as long as the sampler
+  Sampler(const CellComplex& cells, const ContourSlopes* slopes, FieldEvaluator& evaluator, const UnmeasuredFill& fill,
           const Eigen::Vector3d& origin_mm, double spacing_mm, int threads);
 
   /// Locates the samples of each job, evaluates them and writes cells, labels,
@@ -93,6 +95,7 @@ class Sampler {
   void pin(WorkBrick& brick, const Group& group) const;
 
   const CellComplex& cells_;
+  const ContourSlopes* slopes_;
   FieldEvaluator& evaluator_;
   const UnmeasuredFill& fill_;
   Eigen::Vector3d origin_mm_;
@@ -108,6 +111,7 @@ class Sampler {
   std::vector<const Rim*> rims_;  ///< of the last slots of a cell
   std::vector<CellFace> faces_;
   std::vector<std::uint32_t> apart_;  ///< room to work in
+  std::vector<FaceBends> bends_;
   std::vector<Located> located_;      ///< [>= #jobs]
   std::vector<Group> groups_;         ///< by job
   std::size_t evaluated_ = 0, edge_evaluations_ = 0;

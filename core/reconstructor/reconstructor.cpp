@@ -20,6 +20,7 @@
 #include "core/octree/sample_octree.h"
 #include "core/reconstructor/cell_admission.h"
 #include "core/slice/section.h"
+#include "core/slopes/contour_slopes.h"
 
 namespace sonoloft {
 namespace {
@@ -71,7 +72,13 @@ struct Level {
 
   SampleOctree octree;
   SurfaceExtractor surface;
+  std::vector<CellId> unsettled;  ///< ascending: sampled with slopes that are no more
 };
+
+void sort_unique(std::vector<CellId>& cells) {
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
 
 }  // namespace
 
@@ -80,12 +87,16 @@ struct Reconstructor::State {
       : options(o),
         evaluator(std::move(field)),
         cells(o.box, kMergeGap * o.spacing_mm),
-        levels{Level(o, 1), Level(o, kCoarser), Level(o, kCoarser * kCoarser)} {}
+        levels{Level(o, 1), Level(o, kCoarser), Level(o, kCoarser * kCoarser)} {
+    if (o.field == FieldMethod::smooth) slopes.emplace(o.background_mm);
+  }
 
   ReconstructorOptions options;
   std::unique_ptr<FieldEvaluator> evaluator;
   CellComplex cells;
   CellAdmission admission;
+  std::optional<ContourSlopes> slopes;   ///< of FieldMethod::smooth
+  std::vector<CellId> cut;               ///< since slopes were brought up to date: these are sampled anew anyway
   std::vector<std::uint64_t> slice_ids;  ///< [SliceId] TrackedSlice::id
   std::optional<Background> background;  ///< once there is a need
   std::map<SliceId, Rim> rims;           ///< of the slices held, once there is a background
@@ -105,6 +116,25 @@ struct Reconstructor::State {
   void add_to_background(SliceId slice) {
     background->add(cells.section(slice));
     rims.emplace(slice, Rim(cells.section(slice), options.background_mm));
+  }
+
+  void note(const CellComplex::Delta& delta) {
+    for (Level& l : levels) l.octree.note(cells, delta);
+    if (!slopes) return;
+    slopes->note(delta);
+    for (const auto* cells_cut : {&delta.divided, &delta.upper})
+      cut.insert(cut.end(), cells_cut->begin(), cells_cut->end());
+  }
+
+  void update_slopes() {
+    std::vector<CellId> changed = slopes->update(cells, options.threads);
+    sort_unique(cut);
+    std::erase_if(changed, [&](CellId cell) { return std::binary_search(cut.begin(), cut.end(), cell); });
+    cut.clear();
+    for (Level& l : levels) {
+      l.unsettled.insert(l.unsettled.end(), changed.begin(), changed.end());
+      sort_unique(l.unsettled);
+    }
   }
 
   void complete() {
@@ -181,7 +211,7 @@ Result<InsertReport> Reconstructor::add(const TrackedSlice& slice) {
   if (!widths) return tl::unexpected<Error>(widths.error());
   const auto delta = s.cells.insert(std::move(*section), [&](CellId cell) { return s.width_mm(*widths, cell); });
   if (!delta) return tl::unexpected<Error>(delta.error());
-  for (Level& level : s.levels) level.octree.note(s.cells, *delta);
+  s.note(*delta);
   if (s.background) s.add_to_background(delta->slice);
   s.completion_due = s.options.completion == Completion::published;
   s.slice_ids.push_back(slice.id);
@@ -212,6 +242,7 @@ Result<void> Reconstructor::withdraw(std::uint64_t id) {
   s.completion_due = s.options.completion == Completion::published;
   const CellComplex::Withdrawal withdrawal = s.cells.withdraw(*found);
   for (Level& level : s.levels) level.octree.note(s.cells, withdrawal);
+  if (s.slopes) s.slopes->note(*found, withdrawal);
   for (const SliceId slice : held) {
     if (slice == *found) continue;
     Result<CellAdmission::Widths> widths;  // of the few slices that get there
@@ -221,12 +252,12 @@ Result<void> Reconstructor::withdraw(std::uint64_t id) {
       return widths ? s.width_mm(*widths, cell) : 0.0;
     });
     if (!widths) return tl::unexpected<Error>(widths.error());
-    for (Level& level : s.levels) level.octree.note(s.cells, delta);
+    s.note(delta);
   }
   return {};
 }
 
-Result<UpdateReport> Reconstructor::update(Detail detail) {
+Result<UpdateReport> Reconstructor::update(Detail detail, Slopes slopes) {
   State& s = *state_;
   UpdateReport report;
   if (s.background) {
@@ -238,7 +269,15 @@ Result<UpdateReport> Reconstructor::update(Detail detail) {
   }
   Level& level = s.level(detail);
   s.shown = detail;
-  auto change = level.octree.update(s.cells, *s.evaluator, s.fill(), s.options.threads);
+  if (s.slopes) {
+    const auto start = Clock::now();
+    s.update_slopes();
+    if (slopes == Slopes::settled) level.octree.note(std::exchange(level.unsettled, {}));
+    report.slopes_ms = ms_since(start);
+  }
+  report.unsettled_cells = level.unsettled.size();
+  auto change =
+      level.octree.update(s.cells, s.slopes ? &*s.slopes : nullptr, *s.evaluator, s.fill(), s.options.threads);
   if (!change) return tl::unexpected<Error>(change.error());
   report.samples_evaluated = change->evaluated;
   report.edge_evaluations = change->edge_evaluations;

@@ -12,6 +12,7 @@
 #include "core/coverage/confidence.h"
 #include "core/coverage/coverage.h"
 #include "core/field/device_choice.h"
+#include "core/field/field_method.h"
 #include "core/mesh/mesh.h"
 #include "core/slice/result.h"
 #include "core/slice/tracked_slice.h"
@@ -39,6 +40,7 @@ struct ReconstructorOptions {
   double background_mm = 2.5;  ///< node spacing of the background, which fills what no slice shows: about a 60th of the
                                ///< object; how much of `news` counts is measured in it too, and corners of the
                                ///< published completion are that far apart; > 0
+  FieldMethod field = FieldMethod::smooth;
   Admission admission = Admission::news;
   Completion completion = Completion::background;  ///< `published` needs Admission::everything
   std::optional<int> hops;  ///< of `published`: how many unknown walls away cells are asked, >= 1; none: all of them
@@ -79,15 +81,25 @@ enum class Detail : std::uint8_t {
 };
 inline constexpr std::size_t kDetails = 3;
 
+/// Whether an update() follows the slopes that a slice changed in cells that it did not cut. It matters to
+/// FieldMethod::smooth only.
+enum class Slopes : std::uint8_t {
+  settled,    ///< everywhere: the mesh that all slices together give
+  streaming,  ///< not there, while slices come fast: the mesh is closed and passes through all slices, and bends a
+              ///< little more at some of them until the next settled update
+};
+
 /// What one update() did.
 struct UpdateReport {
   std::vector<BrickCoord> changed_chunks;  ///< against the mesh of the same detail before: chunks that changed,
                                            ///< appeared or vanished; ascending
+  std::size_t unsettled_cells = 0;         ///< that wait for a settled update of this detail
   std::size_t samples_evaluated = 0;
   std::size_t edge_evaluations = 0;  ///< edges of cells summed for these samples
   std::size_t bricks_smoothed = 0;
   std::size_t chunks_rebuilt = 0;
   double background_ms = 0;  ///< and of the published completion
+  double slopes_ms = 0;
   double field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;
 };
 
@@ -98,8 +110,8 @@ struct ReconstructorCounts {
 };
 
 /// Slices in, closed multi-label surfaces out, each slice at the cost of what it changes. Frame: reference, mm.
-/// The mesh of either detail depends on the slices and their order, not on how many were added between two updates, nor
-/// on the detail of these, nor on the number of threads: to the last byte.
+/// A settled mesh of either detail depends on the slices and their order, not on how many were added between two
+/// updates, nor on the kind of these, nor on the number of threads: to the last byte.
 /// Threads: one writer; const members may run together, but not during add() or update().
 class Reconstructor {
  public:
@@ -122,7 +134,7 @@ class Reconstructor {
 
   /// Brings the mesh of one detail up to date with all slices added; that of the other waits for its turn.
   /// @error opencl_failed
-  [[nodiscard]] Result<UpdateReport> update(Detail detail = Detail::full);
+  [[nodiscard]] Result<UpdateReport> update(Detail detail = Detail::full, Slopes slopes = Slopes::settled);
 
   [[nodiscard]] MeshSnapshot mesh() const;  ///< that of the last update(). O(chunks)
   /// What mesh() was drawn from. Valid until the next update().

@@ -119,8 +119,13 @@ sonoloft_mesh::sonoloft_mesh(std::shared_ptr<const MeshUpdate> made) : update(st
     contours.push_back(capi::contours_of(report.slice->slice));
     slices.push_back(capi::reported(report, contours.back()));
   }
-  info = {update->revision, update->skipped_revisions, static_cast<sonoloft_detail>(update->detail), labels.size(),
-          slices.size(),    update->reconstruct_ms};
+  info = {update->revision,
+          update->skipped_revisions,
+          static_cast<sonoloft_detail>(update->detail),
+          update->settled ? 1 : 0,
+          labels.size(),
+          slices.size(),
+          update->reconstruct_ms};
 }
 
 sonoloft_mesh* sonoloft_mesh_retain(sonoloft_mesh* mesh) {

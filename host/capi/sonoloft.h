@@ -173,7 +173,8 @@ typedef struct sonoloft_mesh_info {
   uint64_t revision;          /* slices taken in so far */
   uint64_t skipped_revisions; /* of them never delivered by themselves */
   sonoloft_detail detail;
-  size_t labels; /* with a surface: see sonoloft_mesh_label() */
+  int32_t settled; /* 0: while slices come, cells around them wait for a pause to follow them too */
+  size_t labels;   /* with a surface: see sonoloft_mesh_label() */
   size_t slices; /* new since the mesh before: see sonoloft_mesh_slice() */
   double reconstruct_ms;
 } sonoloft_mesh_info;

@@ -75,17 +75,18 @@ SliceReport MeshMaker::add(std::shared_ptr<const device::DeliveredSlice> slice) 
 }
 
 Result<std::shared_ptr<MeshUpdate>> MeshMaker::make(
-    std::span<const std::shared_ptr<const device::DeliveredSlice>> slices, Detail detail) {
+    std::span<const std::shared_ptr<const device::DeliveredSlice>> slices, Detail detail, Slopes slopes) {
   const auto start = Clock::now();
   auto made = std::make_shared<MeshUpdate>();
   for (const auto& slice : slices) made->slices.push_back(add(slice));
-  auto updated = reconstructor_.update(detail);
+  auto updated = reconstructor_.update(detail, slopes);
   if (!updated) return tl::unexpected<Error>(updated.error());
   revision_ += slices.size();
   skipped_revisions_ += slices.empty() ? 0 : slices.size() - 1;
   made->revision = revision_;
   made->skipped_revisions = skipped_revisions_;
   made->detail = detail;
+  made->settled = updated->unsettled_cells == 0;
   made->mesh = reconstructor_.mesh();
   made->reconstruct_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   made->labels = statistics_[static_cast<std::size_t>(detail)].update(made->mesh, updated->changed_chunks);

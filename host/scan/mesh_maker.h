@@ -24,7 +24,7 @@ class MeshMaker {
   /// @post  in the update everything is set but `counts` and the slices' latency_ms
   /// @error opencl_failed: the maker is not to be used any more
   [[nodiscard]] Result<std::shared_ptr<MeshUpdate>> make(
-      std::span<const std::shared_ptr<const device::DeliveredSlice>> slices, Detail detail);
+      std::span<const std::shared_ptr<const device::DeliveredSlice>> slices, Detail detail, Slopes slopes);
 
   /// See Reconstructor. The mesh follows with the next make().
   [[nodiscard]] Result<void> withdraw(std::uint64_t slice_id) { return reconstructor_.withdraw(slice_id); }

@@ -42,14 +42,16 @@ struct SliceCounts {
 
 /// One delivery of a scan: the mesh of all slices so far. Every slice taken in makes a revision; slices that waited
 /// together, since your callback or the reconstruction was still busy, are delivered as the last revision of them.
-/// While slices of a live scan come faster than full detail allows, the mesh is coarse; a full one of the same revision
-/// follows as soon as slices pause, and comes before end_of_data and disconnected. After a withdrawal comes a mesh of
-/// the same revision. Immutable: keep it as long as you like, from any thread.
+/// While slices of a live scan come faster than full detail allows, the mesh is coarse, and while they come at all it
+/// is not settled; a full, settled one of the same revision follows as soon as slices pause, and comes before
+/// end_of_data and disconnected. After a withdrawal comes a mesh of the same revision. Immutable: keep it as long as
+/// you like, from any thread.
 struct MeshUpdate {
   std::uint64_t revision;           ///< slices taken in so far, of all runs of the scan
   std::uint64_t skipped_revisions;  ///< of them never delivered by themselves, so far
 
   Detail detail;
+  bool settled;  ///< see Slopes: it is what all slices so far give at this detail
   MeshSnapshot mesh;
   std::vector<BrickCoord> changed_chunks;  ///< against the delivery before: changed, appeared or vanished; ascending
   std::vector<LabelStatistics> labels;     ///< ascending by label

@@ -74,8 +74,13 @@ struct ScanSession::State : std::enable_shared_from_this<State> {
   const std::unique_ptr<device::Session> device;
   std::mutex maker_mutex;  ///< guards the next; never held during a callback
   MeshMaker maker;
-  Pace pace;                    ///< the reconstruction thread's
-  Detail shown = Detail::full;  ///< of the last mesh made; the reconstruction thread's
+  Pace pace;  ///< the reconstruction thread's
+  struct Finish {
+    Detail detail = Detail::full;
+    Slopes slopes = Slopes::settled;
+    bool operator==(const Finish&) const = default;
+  };
+  Finish shown;  ///< of the last mesh made; the reconstruction thread's
   const std::string field_device;
 
   std::mutex life_mutex;  ///< one start or stop at a time; never taken on the reconstruction thread
@@ -110,8 +115,8 @@ struct ScanSession::State : std::enable_shared_from_this<State> {
   bool wait(Waiting& batch);
   void work_off(const Waiting& batch);
   bool show(const Waiting& batch);
-  Detail choose_detail(const Waiting& batch) const;
-  Result<std::shared_ptr<MeshUpdate>> make(const Waiting& batch, Detail detail);
+  [[nodiscard]] Finish choose_finish(const Waiting& batch) const;
+  Result<std::shared_ptr<MeshUpdate>> make(const Waiting& batch, Finish finish);
   void deliver(std::shared_ptr<MeshUpdate> update);
   template <class Callback, class Argument>
   void call(const char* name, const Callback& callback, Argument argument);
@@ -212,13 +217,13 @@ void ScanSession::State::reconstruct() {
   waiting = {{}, {}, waiting.withdrawn};
 }
 
-/// @return false when it is over; an empty batch when slices pause and the mesh is coarse
+/// @return false when it is over; an empty batch when slices pause and the mesh can be better
 bool ScanSession::State::wait(Waiting& batch) {
   std::unique_lock lock(mutex);
   const auto something = [&] {
     return stopping || waiting.withdrawn || !waiting.slices.empty() || !waiting.events.empty();
   };
-  if (shown != Detail::full)
+  if (shown != Finish{})
     to_reconstruction.wait_for(lock, pace.patience(), something);
   else
     to_reconstruction.wait(lock, something);
@@ -231,9 +236,9 @@ bool ScanSession::State::wait(Waiting& batch) {
 
 void ScanSession::State::work_off(const Waiting& batch) {
   if (!show(batch)) return;
-  const Detail detail = choose_detail(batch);
-  if (!batch.slices.empty() || batch.withdrawn || detail != shown) {
-    auto made = make(batch, detail);
+  const Finish finish = choose_finish(batch);
+  if (!batch.slices.empty() || batch.withdrawn || finish != shown) {
+    auto made = make(batch, finish);
     if (!made) return fail_for_good(made.error().message, batch.slices.size());
     deliver(std::move(*made));
   }
@@ -253,23 +258,23 @@ bool ScanSession::State::show(const Waiting& batch) {
   return true;
 }
 
-Detail ScanSession::State::choose_detail(const Waiting& batch) const {
+ScanSession::State::Finish ScanSession::State::choose_finish(const Waiting& batch) const {
   const bool pause = batch.slices.empty() && batch.events.empty() && !batch.withdrawn;
   const bool last = std::any_of(batch.events.begin(), batch.events.end(), [](const ScanEvent& event) {
     return event.kind == ScanEventKind::end_of_data || event.kind == ScanEventKind::disconnected;
   });
-  if (pause || last || options.stream.mode == device::StreamMode::lossless) return Detail::full;
-  return batch.slices.empty() && !batch.withdrawn ? shown : pace.next();
+  if (pause || last || options.stream.mode == device::StreamMode::lossless) return {};
+  return batch.slices.empty() && !batch.withdrawn ? shown : Finish{pace.next(), Slopes::streaming};
 }
 
-Result<std::shared_ptr<MeshUpdate>> ScanSession::State::make(const Waiting& batch, Detail detail) {
+Result<std::shared_ptr<MeshUpdate>> ScanSession::State::make(const Waiting& batch, Finish finish) {
   try {
     const std::vector<std::shared_ptr<const DeliveredSlice>> slices(batch.slices.begin(), batch.slices.end());
     const auto start = Clock::now();
     const std::lock_guard lock(maker_mutex);
-    auto made = maker.make(slices, detail);
-    shown = detail;
-    pace.took(detail, Clock::now() - start);
+    auto made = maker.make(slices, finish.detail, finish.slopes);
+    shown = made && (*made)->settled ? Finish{finish.detail, Slopes::settled} : finish;
+    if (!slices.empty()) pace.took(finish.detail, Clock::now() - start);
     return made;
   } catch (const std::exception& e) {
     return fail(ErrorCode::not_available, e.what());

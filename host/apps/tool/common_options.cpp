@@ -51,12 +51,24 @@ Result<double> spacing(const Resolution& resolution, double longest_side_mm) {
   return fail(ErrorCode::invalid_argument, message.str());
 }
 
+void add_field(CLI::App& verb, FieldMethod& field) {
+  verb.add_option_function<std::string>(
+          "--field",
+          [&field](const std::string& name) { field = name == "step" ? FieldMethod::step : FieldMethod::smooth; },
+          "What lies between slices: smooth (contours move by slope and curvature) or step (as published: the surface "
+          "leaves every slice at a right angle)")
+      ->check(CLI::IsMember({"smooth", "step"}))
+      ->default_str(field == FieldMethod::smooth ? "smooth" : "step");
+}
+
 void add_admission(CLI::App& verb, Admission& admission) {
-  static const std::map<std::string, Admission> kNames{{"everything", Admission::everything},
-                                                       {"news", Admission::news}};
-  verb.add_option("--admission", admission,
-                  "Where slices cut: everything (each is interpolated) or news (where they say what is not known yet)")
-      ->transform(CLI::CheckedTransformer(kNames))
+  verb.add_option_function<std::string>(
+          "--admission",
+          [&admission](const std::string& name) {
+            admission = name == "news" ? Admission::news : Admission::everything;
+          },
+          "Where slices cut: everything (each is interpolated) or news (where they say what is not known yet)")
+      ->check(CLI::IsMember({"everything", "news"}))
       ->default_str(admission == Admission::news ? "news" : "everything");
 }
 

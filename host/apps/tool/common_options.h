@@ -27,6 +27,9 @@ struct Compute {
 };
 void add_compute(CLI::App& verb, Compute& compute);
 
+/// --field; its value is the default that --help states.
+void add_field(CLI::App& verb, FieldMethod& field);
+
 /// @param admission  its value is the default that --help states
 void add_admission(CLI::App& verb, Admission& admission);
 

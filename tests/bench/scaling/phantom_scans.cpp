@@ -5,23 +5,13 @@
 #include <numbers>
 
 #include "device_sim/probe/random.h"
+#include "tests/support/bodies/cut.h"
 #include "tests/support/phantom_section.h"
 
 namespace sonoloft::bench {
 namespace {
 
 namespace sim = device_sim;
-
-TrackedSlice slice_of(const sim::Phantom& phantom, const Eigen::Isometry3d& plane, std::size_t id) {
-  sim::PhantomSection section = phantom.section(plane);
-  TrackedSlice slice;
-  slice.id = id;
-  slice.image_to_reference = plane;
-  slice.points = std::move(section.points);
-  for (const sim::SectionLoop& loop : section.loops)
-    slice.contours.push_back({loop.first, loop.count, loop.label, loop.hole});
-  return slice;
-}
 
 /// Catmull-Rom: through all points of the loop; t in points.
 Eigen::Vector2d on_curve(std::span<const Eigen::Vector2d> loop, double t) {
@@ -39,7 +29,7 @@ std::vector<TrackedSlice> free_planes(const sim::Phantom& phantom, std::size_t c
   const Eigen::AlignedBox3d middle(all.center() - 0.25 * all.sizes(), all.center() + 0.25 * all.sizes());
   sim::Random random(11);
   std::vector<TrackedSlice> slices;
-  for (std::size_t i = 0; i < count; ++i) slices.push_back(slice_of(phantom, test::random_plane(middle, random), i));
+  for (std::size_t i = 0; i < count; ++i) slices.push_back(test::cut(phantom, test::random_plane(middle, random), i));
   return slices;
 }
 

@@ -48,7 +48,7 @@ std::vector<SliceCost> run_online(std::span<const TrackedSlice> slices, const Re
   for (const TrackedSlice& slice : slices) {
     const auto start = Clock::now();
     const InsertReport inserted = or_exit(reconstructor.add(slice));
-    const UpdateReport updated = or_exit(reconstructor.update(detail));
+    const UpdateReport updated = or_exit(reconstructor.update(detail, Slopes::streaming));
     costs.push_back({ms_since(start), inserted.cells_cut, updated.samples_evaluated, updated.bricks_smoothed,
                      updated.chunks_rebuilt});
   }

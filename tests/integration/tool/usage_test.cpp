@@ -40,7 +40,12 @@ constexpr Bad kBad[] = {
     {"reconstruct notes.txt -o m.ply", 2, ".csl"},
     {"reconstruct boxes.csl -o m.abc", 2, ".vtp"},
     {"reconstruct boxes.csl -o m.ply --picture m.jpg", 2, ".png"},
+    {"evaluate", 2, "--benchmark"},
     {"evaluate m.ply", 2, "--truth"},
+    {"evaluate m.ply --truth t.ply --benchmark sets", 2, "--benchmark"},
+    {"evaluate m.ply --truth t.ply --depth 6", 2, "--benchmark"},
+    {"evaluate m.ply --truth t.ply --field step", 2, "--benchmark"},
+    {"evaluate --benchmark sets --depth 4", 2, "--depth"},
     {"probe", 2, "--usbip"},
     {"probe --usbip --port 99999", 2, "--port"},
     {"probe --usbip --usbredir", 2, "--usbredir"},
@@ -65,6 +70,8 @@ constexpr Bad kBad[] = {
     {"evaluate missing.ply --truth box.off", 1, "missing.ply"},
     {"evaluate box.off --truth missing.inr.gz", 1, "missing.inr.gz"},
     {"evaluate box.off --truth notes.txt", 1, "notes.txt"},
+    {"evaluate --benchmark nowhere", 1, "nowhere"},
+    {"evaluate --benchmark empty", 1, "true mesh"},
     {"probe --usbip --phantom nobody", 1, "organs"},
     {"probe --functionfs nowhere --phantom organs", 1, "mount a functionfs"},
     {"scan --simulated --phantom nobody -o m.ply", 1, "organs"},
@@ -76,6 +83,7 @@ constexpr Bad kBad[] = {
 TEST_CASE("tool: every bad command line and every bad file gets one line and its exit status") {
   const TemporaryFolder folder;
   folder.write("notes.txt", "not a mesh");
+  std::filesystem::create_directories(folder.path("empty"));
   folder.write("notes.off", "not a mesh");
   folder.write("empty.csl", "");
   folder.write("empty.inr", "");

@@ -148,29 +148,34 @@ TEST_CASE("spots: two cylinders side by side stay two") {
   for (int i = 0; i < 16; ++i) planes.push_back(test::plane_at({0.1, 0.2, -36.7 + 4.9 * i}, {0.02, -0.03, 1}));
   for (const double y : {-5.1, 0.3, 4.9}) planes.push_back(test::plane_at({0, y, 0}, {0.03, 1, -0.02}));
   const std::vector<TrackedSlice> clean = scan(cylinders, planes);
-  const ReconstructorOptions options = options_for(clean, 6).value();
-  const std::vector<double> whole = piece_volumes(reconstruct(clean, options));
-  REQUIRE(whole.size() == 2);
-  for (const Case& c : kCases) {
-    CAPTURE(c.name);
-    std::vector<TrackedSlice> slices = clean;
-    add_spots(c.spot, 2, 2, c.out_mm, slices);
-    for (std::size_t k = 2; k < 16; k += 3)  // and one in the gap between them
-      add_spot(
-          (slices[k].image_to_reference.inverse() * Vector3d(0, 0.5, slices[k].image_to_reference.translation().z()))
-              .head<2>(),
-          2, c.spot == Spot::unknown ? kUnknown : Label{1}, slices[k]);
-    const IndexedMesh mesh = reconstruct(slices, options);
-    const test::MeshReport report = test::check_mesh(mesh);
-    CHECK(report.closed_manifold());
-    const std::vector<double> volumes = piece_volumes(mesh);
-    REQUIRE(volumes.size() >= 2);
-    MESSAGE(c.name, ": ", volumes.size(), " pieces, the largest two ", volumes[0] / whole[0], " and ",
-            volumes[1] / whole[1], " of what they were, genus ", report.labels.at(1).genus());
-    if (!may_break_through(c)) CHECK(report.labels.at(1).genus() == 0);
-    for (std::size_t i = 0; i < 2; ++i) {
-      CHECK(volumes[i] > 0.97 * whole[i]);
-      CHECK(volumes[i] < 1.03 * whole[i]);
+  ReconstructorOptions options = options_for(clean, 6).value();
+  for (const FieldMethod field : {FieldMethod::step, FieldMethod::smooth}) {
+    options.field = field;
+    const std::vector<double> whole = piece_volumes(reconstruct(clean, options));
+    REQUIRE(whole.size() == 2);
+    for (const Case& c : kCases) {
+      CAPTURE(c.name);
+      std::vector<TrackedSlice> slices = clean;
+      add_spots(c.spot, 2, 2, c.out_mm, slices);
+      for (std::size_t k = 2; k < 16; k += 3)  // and one in the gap between them
+        add_spot(
+            (slices[k].image_to_reference.inverse() * Vector3d(0, 0.5, slices[k].image_to_reference.translation().z()))
+                .head<2>(),
+            2, c.spot == Spot::unknown ? kUnknown : Label{1}, slices[k]);
+      const IndexedMesh mesh = reconstruct(slices, options);
+      const test::MeshReport report = test::check_mesh(mesh);
+      CHECK(report.closed_manifold());
+      const std::vector<double> volumes = piece_volumes(mesh);
+      REQUIRE(volumes.size() >= 2);
+      MESSAGE(c.name, ": ", volumes.size(), " pieces, the largest two ", volumes[0] / whole[0], " and ",
+              volumes[1] / whole[1], " of what they were, genus ", report.labels.at(1).genus());
+      // Contours bulge between slices in the smooth field: there a spot may break through to a boundary 2 mm away too.
+      if (!may_break_through(c) && (field == FieldMethod::step || c.spot != Spot::wrong))
+        CHECK(report.labels.at(1).genus() == 0);
+      for (std::size_t i = 0; i < 2; ++i) {
+        CHECK(volumes[i] > 0.97 * whole[i]);
+        CHECK(volumes[i] < 1.03 * whole[i]);
+      }
     }
   }
 }

@@ -32,7 +32,9 @@ std::vector<std::unique_ptr<FieldEvaluator>> evaluators() {
 }  // namespace
 
 TEST_CASE("field: the OpenCL kernel, with vectors and without, is within 1e-5 of a cell of the double field") {
-  for (const auto& evaluator : evaluators()) test::check_parity(*evaluator);
+  for (const auto& evaluator : evaluators())
+    for (const test::Borders borders : {test::Borders::stay, test::Borders::move})
+      test::check_parity(*evaluator, borders);
 }
 
 TEST_CASE("field: OpenCL and the CPU twin agree to 1e-4 on a handful of points (also run by oclgrind)") {

@@ -39,7 +39,7 @@ struct Scan {
     if (delta) octree.note(cells, *delta);
   }
   SampleOctree::Change update(int threads) {
-    auto change = octree.update(cells, *evaluator, {}, threads);
+    auto change = octree.update(cells, nullptr, *evaluator, {}, threads);
     REQUIRE(change);
     evaluated += change->evaluated;
     return *change;

@@ -59,7 +59,8 @@ TEST_CASE("reconstructor: views of a sector, one by one and all at once, with 1 
     add_all(batch, slices);
     for (std::size_t i = 0; i < slices.size(); ++i) {
       REQUIRE(online.add(slices[i]));
-      REQUIRE(online.update(i % 3 == 0 ? Detail::coarse : Detail::full));
+      REQUIRE(
+          online.update(i % 3 == 0 ? Detail::coarse : Detail::full, i % 4 == 3 ? Slopes::settled : Slopes::streaming));
     }
     const IndexedMesh mesh = mesh_of(batch);
     CHECK(mesh.triangles.size() > 5000);

@@ -9,6 +9,7 @@
 
 #include "core/cells/cell_complex.h"
 #include "core/cells/face_polygon.h"
+#include "core/field/bent_face.h"
 
 /// Convex cells with labelled walls, made without a complex: for tests and benches of the field.
 namespace sonoloft::test {
@@ -29,6 +30,8 @@ struct Wall {
   Eigen::Isometry3d frame;  ///< image to reference
   bool above;               ///< the cell lies on the side of the normal
   FacePolygon polygon;
+  Section section;                ///< that the borders are pieces of, when these are to move; else empty
+  std::vector<VertexBend> bends;  ///< [section.points]
 };
 
 /// A closed loop: `inside` left of it and `around` right of it.
@@ -78,12 +81,35 @@ inline FacePolygon random_rings(Random& random, std::span<const Label> labels, i
 
 /// A wall of a cell around the origin; which way the plane's normal points is left to chance.
 inline Wall random_wall(Random& random, const Eigen::Vector3d& outward, double distance_mm, FacePolygon polygon) {
-  Wall wall{Eigen::Isometry3d::Identity(), random() % 2 == 0, std::move(polygon)};
+  Wall wall{Eigen::Isometry3d::Identity(), random() % 2 == 0, std::move(polygon), {}, {}};
   wall.frame.linear() = (Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), wall.above ? -outward : outward) *
                          Eigen::AngleAxisd(uniform(random, 0, 6), Eigen::Vector3d::UnitZ()))
                             .toRotationMatrix();
   wall.frame.translation() = distance_mm * outward;
   return wall;
+}
+
+/// Makes the borders of a wall, not yet clipped, move with the height over it: slopes up to 2, curvatures up to
+/// 4 / scale_mm.
+inline void bend_borders(Wall& wall, Random& random, double scale_mm) {
+  Section& section = wall.section;
+  const auto index_of = [&](const Eigen::Vector2d& p) {
+    const auto at = std::find(section.points.begin(), section.points.end(), p);
+    if (at == section.points.end()) {
+      section.points.push_back(p);
+      const Eigen::Vector2d outward = uniform_direction(random).head<2>().normalized();
+      wall.bends.push_back({outward.cast<float>(), static_cast<float>(uniform(random, -2, 2)),
+                            static_cast<float>(uniform(random, -4, 4) / scale_mm),
+                            static_cast<float>(uniform(random, 0, 4) / scale_mm)});
+      return static_cast<std::uint32_t>(section.points.size() - 1);
+    }
+    return static_cast<std::uint32_t>(at - section.points.begin());
+  };
+  for (FaceEdge& e : wall.polygon) {
+    if (e.right == kBeyondFace) continue;
+    e.source = static_cast<std::uint32_t>(section.edges.size());
+    section.edges.push_back({index_of(e.a), index_of(e.b), e.left, e.right});
+  }
 }
 
 /// `count` walls (4 and more, not all of which need touch the cell) around the origin; the first four close it.
@@ -125,6 +151,12 @@ class FieldCell {
       faces.push_back({&wall.frame, plane, wall.above, kBeyondFace, &wall.polygon});
     }
     return faces;
+  }
+  /// [faces()] Valid while the cell lives.
+  [[nodiscard]] std::vector<FaceBends> bends() const {
+    std::vector<FaceBends> bends;
+    for (const Wall& wall : walls_) bends.push_back({&wall.section, wall.bends});
+    return bends;
   }
   [[nodiscard]] const std::vector<Wall>& walls() const { return walls_; }
   [[nodiscard]] const Eigen::Vector3d& centre() const { return centre_; }

@@ -51,8 +51,9 @@ inline bool place_near(const FieldCell& cell, Random& random, Near near, double 
 /// The exact field at a point of a cell and a step to either side of it along x, y and z.
 class ExactField {
  public:
-  ExactField(const FieldCell& cell, const std::vector<CellFace>& faces, const Eigen::Vector3d& point, double step_mm)
-      : cell_(cell), faces_(faces), point_(point), step_mm_(step_mm), here_(at(point)) {
+  ExactField(const FieldCell& cell, const std::vector<CellFace>& faces, const std::vector<FaceBends>& bends,
+             const Eigen::Vector3d& point, double step_mm)
+      : cell_(cell), faces_(faces), bends_(bends), point_(point), step_mm_(step_mm), here_(at(point)) {
     for (int k = 0; k < 6; ++k)
       around_[static_cast<std::size_t>(k)] =
           at(point + (k % 2 == 0 ? step_mm : -step_mm) * Eigen::Vector3d::Unit(k / 2));
@@ -77,7 +78,7 @@ class ExactField {
 
  private:
   [[nodiscard]] ReferenceShares at(const Eigen::Vector3d& point) const {
-    return reference_shares(faces_, point, 1e-12 * cell_.size_mm());
+    return reference_shares(faces_, point, 1e-12 * cell_.size_mm(), bends_);
   }
 
   [[nodiscard]] bool ball_has(double value, Label label, double radius_mm) const {
@@ -95,6 +96,7 @@ class ExactField {
 
   const FieldCell& cell_;
   const std::vector<CellFace>& faces_;
+  const std::vector<FaceBends>& bends_;
   Eigen::Vector3d point_;
   double step_mm_;
   ReferenceShares here_;
@@ -105,9 +107,10 @@ class ExactField {
 inline void compare(const FieldBatch& batch, std::uint32_t block, const FieldCell& cell,
                     const std::vector<Eigen::Vector3d>& points, ParityRow& row) {
   const std::vector<CellFace> faces = cell.faces();
+  const std::vector<FaceBends> bends = cell.bends();
   const std::span<const Label> labels = batch.cells.labels(batch.blocks[block].cell);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const ExactField exact(cell, faces, points[i], 1e-3 * row.distance * cell.size_mm());
+    const ExactField exact(cell, faces, bends, points[i], 1e-3 * row.distance * cell.size_mm());
     for (std::uint32_t slot = 0; slot < labels.size(); ++slot) {
       const double share = batch.row(block, slot)[i];
       row.share_error = std::max(row.share_error, std::abs(share - exact.share(labels[slot])));
@@ -117,8 +120,10 @@ inline void compare(const FieldBatch& batch, std::uint32_t block, const FieldCel
   row.points += static_cast<int>(points.size());
 }
 
+enum class Borders { stay, move };
+
 /// Random cells of 4 to 18 walls, 0.01 to 100 mm across, with 4 labels and unknown parts.
-inline std::vector<ParityRow> measure_parity(FieldEvaluator& evaluator) {
+inline std::vector<ParityRow> measure_parity(FieldEvaluator& evaluator, Borders borders) {
   const std::array<Label, 5> labels = {0, 1, 2, 7, kUnknown};
   std::vector<ParityRow> rows = {{Near::interior, 1e-2}};
   for (const Near near : {Near::face, Near::cell_edge, Near::cell_corner, Near::label_border, Near::label_corner})
@@ -127,10 +132,13 @@ inline std::vector<ParityRow> measure_parity(FieldEvaluator& evaluator) {
   for (int round = 0; round < 30; ++round) {
     const double scale_mm = std::pow(10.0, uniform(random, -2, 2));
     const int ring_points = 4 + static_cast<int>(random() % 12);
-    const FieldCell cell(random_walls(random, 4 + round % 15, labels, ring_points, scale_mm),
-                         10 * scale_mm * uniform_direction(random));
+    const Eigen::Vector3d shift_mm = 10 * scale_mm * uniform_direction(random);
+    std::vector<Wall> walls = random_walls(random, 4 + round % 15, labels, ring_points, scale_mm);
+    if (borders == Borders::move)
+      for (Wall& wall : walls) bend_borders(wall, random, scale_mm);
+    const FieldCell cell(walls, shift_mm);
     FieldBatch batch;
-    const std::uint32_t index = batch.cells.add(cell.faces(), cell.centre());
+    const std::uint32_t index = batch.cells.add(cell.faces(), cell.centre(), {}, cell.bends());
     if (batch.cells.constant(index)) continue;
     std::vector<std::vector<Eigen::Vector3d>> points(rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -149,9 +157,9 @@ inline std::vector<ParityRow> measure_parity(FieldEvaluator& evaluator) {
 }
 
 /// Prints the table and holds every row to a displacement of 1e-5 of a cell.
-inline void check_parity(FieldEvaluator& evaluator) {
-  const std::vector<ParityRow> rows = measure_parity(evaluator);
-  std::string table = evaluator.name() + "\n";
+inline void check_parity(FieldEvaluator& evaluator, Borders borders) {
+  const std::vector<ParityRow> rows = measure_parity(evaluator, borders);
+  std::string table = evaluator.name() + (borders == Borders::move ? ", borders move\n" : "\n");
   for (const ParityRow& row : rows) {
     char line[160];
     std::snprintf(line, sizeof line, "  %-12s at %.0e: %4d points, share error %.1e, position error %.1e\n",

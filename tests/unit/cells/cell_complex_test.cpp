@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <numbers>
 #include <random>
 
@@ -129,6 +130,34 @@ TEST_CASE("cells: locating many points agrees with locating one, and the cell co
   CHECK(located == points.size());
   CHECK(disagree == 0);
   CHECK(out_of_cell == 0);
+}
+
+TEST_CASE("cells: a segment touches every cell that its points lie in, and those on both sides of a wall that it lies in") {
+  CellComplex complex(kBox, 0.01);
+  std::mt19937 rng(5);
+  for (int i = 0; i < 12; ++i)
+    REQUIRE(complex.insert(test::section_of_discs(test::random_frame(rng, 20), {{{0, 0}, 15, 1}})));
+  std::vector<CellId> touched;
+  std::size_t several = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d a = test::random_frame(rng, 30).translation(), b = test::random_frame(rng, 30).translation();
+    touched.clear();
+    complex.touching(a, b, touched);
+    several += touched.size() > 1 ? 1 : 0;
+    for (int k = 0; k <= 100; ++k) {
+      const CellId in = complex.locate(a + 0.01 * k * (b - a));
+      CHECK(std::count(touched.begin(), touched.end(), in) == 1);
+    }
+  }
+  CHECK(several > 100);
+  for (const SliceId slice : complex.slices()) {
+    const Eigen::Isometry3d& frame = complex.section(slice).image_to_reference;
+    touched.clear();
+    complex.touching(frame * Eigen::Vector3d(1, 2, 0), frame * Eigen::Vector3d(1.001, 2, 0), touched);
+    const Eigen::Vector3d normal = frame.linear().col(2), middle = frame * Eigen::Vector3d(1.0005, 2, 0);
+    for (const double side : {-1e-4, 1e-4})
+      CHECK(std::count(touched.begin(), touched.end(), complex.locate(middle + side * normal)) == 1);
+  }
 }
 
 TEST_CASE("cells: a slice with a bounded view cuts only the cells that its known part reaches") {

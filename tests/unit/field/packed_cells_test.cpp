@@ -77,9 +77,10 @@ TEST_CASE("packed cells: every edge of a cell that is not constant is packed onc
     for (const auto& face : cells.faces().subspan(packed.first_face, packed.face_count)) {
       CHECK(face.height > 0);
       CHECK(face.height <= 0.5f);
-      for (const auto& run : cells.runs().subspan(face.first_run, face.run_count)) {
+      CHECK(face.bent_count == 0);
+      for (const auto& run : cells.runs().subspan(face.first_run, face.rigid_count)) {
         CHECK(run.left < run.right);
-        for (const auto& edge : cells.edges().subspan(run.first_edge, run.edge_count)) CHECK(std::abs(edge.x) <= 0.5f);
+        for (const auto& edge : cells.edges().subspan(run.first, run.count)) CHECK(std::abs(edge.x) <= 0.5f);
       }
     }
   }

@@ -76,6 +76,7 @@ TEST_CASE("house: the rule checker objects to every kind of line that it is ther
   CHECK(complaint("core/mesh/mesh.h", quoted("tests/support/mesh/mesh_check.h")));
   CHECK(complaint("core/mesh/mesh.cpp", angled("CGAL/Epick.h")));
   CHECK(complaint("core/reconstructor/reconstructor.cpp", quoted("core/offline/delaunay_mesher.h")));
+  CHECK(complaint("core/reconstructor/reconstructor.cpp", quoted("core/methods/catalogue.h")));
   CHECK(complaint("core/field/field.cpp", angled("CL/opencl.hpp")));
   CHECK(complaint("host/device/session.cpp", quoted("core/cells/cell_complex.h")));
   CHECK(complaint("host/device/session.cpp", quoted("device_sim/port/cable.h")));

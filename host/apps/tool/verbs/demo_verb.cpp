@@ -33,6 +33,7 @@ struct DemoOptions {
   std::optional<std::filesystem::path> labels, report, saved_slices;
   Resolution resolution{7, {}};  ///< coarse enough to follow 10 slices a second on two cores
   Compute compute;
+  FieldMethod field = ReconstructorOptions{}.field;
   Admission admission = Admission::news;
   ViewChoice view;
   IgtlChoice igtl;
@@ -47,6 +48,7 @@ Result<ScanOptions> scan_options(const DemoOptions& demo, const Eigen::AlignedBo
   if (!spacing_mm) return tl::unexpected<Error>(spacing_mm.error());
   options.reconstructor.spacing_mm = *spacing_mm;
   options.reconstructor.background_mm = longest_mm / 64;
+  options.reconstructor.field = demo.field;
   options.reconstructor.admission = demo.admission;
   options.reconstructor.device = demo.compute.device;
   options.reconstructor.threads = demo.compute.threads;
@@ -257,6 +259,7 @@ void add_demo(CLI::App& app, Task& task) {
       ->check(ends_in(".csl"));
   add_labels(*verb, demo->labels);
   add_resolution(*verb, demo->resolution);
+  add_field(*verb, demo->field);
   add_admission(*verb, demo->admission);
   add_compute(*verb, demo->compute);
   add_view(*verb, demo->view);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/io/meshes/mesh_files.h"
+#include "host/apps/tool/benchmark/benchmark.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/phantom/body.h"
@@ -16,6 +17,7 @@ using Json = nlohmann::ordered_json;
 
 struct EvaluateOptions {
   std::filesystem::path mesh, truth;
+  BenchmarkOptions benchmark{{}, 8, ReconstructorOptions{}.field, 1};  ///< with a folder: instead of mesh and truth
   int threads;
   std::optional<std::filesystem::path> report;
 };
@@ -75,16 +77,45 @@ Result<void> run_evaluate(const EvaluateOptions& o) {
   return o.report ? write_report(report_json(*compared), *o.report) : Result<void>{};
 }
 
+Result<void> run_folder(const EvaluateOptions& o) {
+  BenchmarkOptions benchmark = o.benchmark;
+  benchmark.threads = o.threads;
+  const auto report = run_benchmark(benchmark);
+  if (!report) return tl::unexpected<Error>(report.error());
+  if (o.report)
+    if (auto written = write_report(*report, *o.report); !written) return written;
+  const auto failed = (*report)["failed"].get<std::size_t>();
+  if (failed == 0) return {};
+  return fail(ErrorCode::invalid_argument,
+              std::to_string(failed) + " of the sets could not be evaluated: see the lines above");
+}
+
 }  // namespace
 
 void add_evaluate(CLI::App& app, Task& task) {
   auto* verb = app.add_subcommand("evaluate", "Compares a mesh with the truth: IoU and Dice of every label, distances");
   auto options = std::make_shared<EvaluateOptions>();
-  verb->add_option("mesh", options->mesh, "Mesh: .ply, .obj, .stl, .off")->required();
-  verb->add_option("--truth", options->truth, "The truth: a mesh, or voxels (.inr, .inr.gz)")->required();
+  auto* what = verb->add_option_group("What to evaluate")->require_option(1);
+  auto* mesh = what->add_option("mesh", options->mesh, "Mesh: .ply, .obj, .stl, .off");
+  auto* benchmark =
+      what->add_option("--benchmark", options->benchmark.folder,
+                       "A folder of slices, each with its truth (NAME.csl or NAME.contour beside NAME.ply, "
+                       ".off, .obj or .stl): all are reconstructed and measured");
+  auto* truth = verb->add_option("--truth", options->truth, "The truth: a mesh, or voxels (.inr, .inr.gz)");
+  mesh->needs(truth);
+  truth->excludes(benchmark);
+  verb->add_option("--depth", options->benchmark.depth,
+                   "Of a benchmark: the longest side is about 2^depth finest cells long")
+      ->check(CLI::Range(5, 10))
+      ->needs(benchmark)
+      ->capture_default_str();
+  add_field(*verb, options->benchmark.field);
+  verb->get_option("--field")->needs(benchmark);
   add_threads(*verb, options->threads);
   add_report(*verb, options->report);
-  verb->callback([&task, options] { task = [options] { return run_evaluate(*options); }; });
+  verb->callback([&task, options] {
+    task = [options] { return options->benchmark.folder.empty() ? run_evaluate(*options) : run_folder(*options); };
+  });
 }
 
 }  // namespace sonoloft::tool

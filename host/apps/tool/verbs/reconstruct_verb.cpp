@@ -5,10 +5,12 @@
 #include <utility>
 
 #include "core/reconstructor/reconstructor.h"
+#include "core/reconstructor/stack_caps.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/mesh_output.h"
 #include "host/apps/tool/mesher.h"
+#include "host/apps/tool/method_choice.h"
 #include "host/apps/tool/slice_input.h"
 #include "host/apps/tool/verbs/verbs.h"
 
@@ -18,14 +20,20 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
+/// Where a stack of slices ends.
+enum class Caps { box, gap, slice };
+
 struct ReconstructOptions {
   SliceInput input;
   MeshOutput output;
   bool online = false;
+  FieldMethod field = ReconstructorOptions{}.field;
   Admission admission = Admission::everything;
+  Caps caps = Caps::gap;
   Completion completion = Completion::background;
   std::optional<int> hops;
   Mesher mesher = Mesher::live;
+  MethodChoice method;
   Resolution resolution;
   Compute compute;
   std::optional<std::filesystem::path> labels, report, picture;
@@ -37,12 +45,13 @@ double ms_since(Clock::time_point start) {
 
 /// Times of a run, ms. total: from parsed slices to the finished mesh, without load and device_start.
 struct Times {
-  double load = 0, device_start = 0, cells = 0, completion = 0, field = 0, octree = 0, mesh = 0, smooth = 0,
+  double load = 0, device_start = 0, cells = 0, completion = 0, slopes = 0, field = 0, octree = 0, mesh = 0, smooth = 0,
          delaunay = 0, total = 0;
   std::vector<double> per_slice;
 
   void add(const UpdateReport& update) {
     completion += update.background_ms;
+    slopes += update.slopes_ms;
     field += update.field_ms;
     octree += update.octree_ms;
     mesh += update.mesh_ms;
@@ -58,14 +67,19 @@ struct SliceOutcomes {
   }
 };
 
-Result<Reconstructor> prepare(const ReconstructOptions& o, std::span<const TrackedSlice> slices) {
+Result<ReconstructorOptions> sized_for(const ReconstructOptions& o, std::span<const TrackedSlice> slices) {
   auto options = options_for(slices, o.resolution.depth);
+  if (!options || !o.resolution.spacing_mm) return options;
+  const auto spacing_mm = spacing(o.resolution, options->box.sizes().maxCoeff() / 3);  // the object and twice as much
+  if (!spacing_mm) return tl::unexpected<Error>(spacing_mm.error());
+  options->spacing_mm = *spacing_mm;
+  return options;
+}
+
+Result<Reconstructor> prepare(const ReconstructOptions& o, std::span<const TrackedSlice> slices) {
+  auto options = sized_for(o, slices);
   if (!options) return tl::unexpected<Error>(options.error());
-  if (o.resolution.spacing_mm) {
-    const auto spacing_mm = spacing(o.resolution, options->box.sizes().maxCoeff() / 3);  // the object and twice as much
-    if (!spacing_mm) return tl::unexpected<Error>(spacing_mm.error());
-    options->spacing_mm = *spacing_mm;
-  }
+  options->field = o.field;
   options->admission = o.admission;
   options->completion = o.completion;
   options->hops = o.hops;
@@ -75,8 +89,9 @@ Result<Reconstructor> prepare(const ReconstructOptions& o, std::span<const Track
   return Reconstructor::create(*options);
 }
 
-Result<SliceOutcomes> reconstruct(std::span<const TrackedSlice> slices, bool online, Reconstructor& reconstructor,
-                                  Times& times) {
+/// @param caps  empty slices beyond the ends of a stack
+Result<SliceOutcomes> reconstruct(std::span<const TrackedSlice> slices, std::span<const TrackedSlice> caps, bool online,
+                                  Reconstructor& reconstructor, Times& times) {
   SliceOutcomes outcomes;
   const auto bring_up_to_date = [&]() -> Result<void> {
     const auto update = reconstructor.update();
@@ -98,9 +113,16 @@ Result<SliceOutcomes> reconstruct(std::span<const TrackedSlice> slices, bool onl
       if (const auto updated = bring_up_to_date(); !updated) return tl::unexpected<Error>(updated.error());
     times.per_slice.push_back(ms_since(start));
   }
-  if (!online)
+  for (const TrackedSlice& cap : caps)  // refused outside of the box, which ends the object there itself
+    if (const auto added = reconstructor.add(cap)) times.cells += added->cells_ms;
+  if (!online || !caps.empty())
     if (const auto updated = bring_up_to_date(); !updated) return tl::unexpected<Error>(updated.error());
   return outcomes;
+}
+
+std::vector<TrackedSlice> caps_of(Caps caps, std::span<const TrackedSlice> slices, double spacing_mm) {
+  if (caps == Caps::box) return {};
+  return stack_caps(slices, caps == Caps::gap ? 1 : 0, 0.5 * spacing_mm);
 }
 
 Json input_json(const LoadedSlices& loaded) {
@@ -141,6 +163,7 @@ Json report_json(const LoadedSlices& loaded, const SliceOutcomes& outcomes, cons
             {"device_start", t.device_start},
             {"cells", t.cells},
             {"completion", t.completion},
+            {"slopes", t.slopes},
             {"field", t.field},
             {"octree", t.octree},
             {"mesh", t.mesh},
@@ -154,37 +177,59 @@ void print(const Json& report) {
   for (const auto& [key, value] : report.items()) std::cout << key << ": " << value << '\n';
 }
 
-Result<void> run_reconstruct(const ReconstructOptions& o) {
-  const auto labels = read_labels(o.labels);
-  if (!labels) return tl::unexpected<Error>(labels.error());
-  Times times;
+Result<void> write_results(const ReconstructOptions& o, const IndexedMesh& mesh, const Json& report,
+                           const LabelTable& labels, double spacing_mm) {
+  print(report);
+  if (auto written = write_output(mesh, o.output, labels, spacing_mm, o.compute.threads); !written) return written;
+  if (o.picture)
+    if (auto drawn = write_picture(mesh, labels, legend_of(mesh, labels), {}, *o.picture, o.compute.threads); !drawn)
+      return drawn;
+  return o.report ? write_report(report, *o.report) : Result<void>{};
+}
+
+Result<void> run_method(const ReconstructOptions& o, const LoadedSlices& loaded, const LabelTable& labels,
+                        double load_ms) {
+  const auto options = sized_for(o, loaded.slices);
+  if (!options) return tl::unexpected<Error>(options.error());
+  const auto start = Clock::now();
+  const auto surfaces = reconstruct_by(o.method, loaded.slices, options->spacing_mm, o.compute.threads);
+  if (!surfaces) return tl::unexpected<Error>(surfaces.error());
+  const Json report{{"input", input_json(loaded)},
+                    {"method", o.method.method->name},
+                    {"notes", surfaces->notes},
+                    {"triangles", surfaces->mesh.triangles.size()},
+                    {"labels", labels_json(surfaces->mesh, labels)},
+                    {"times_ms", {{"load", load_ms}, {"total", ms_since(start)}}}};
+  return write_results(o, surfaces->mesh, report, labels, options->spacing_mm);
+}
+
+Result<void> run_live(const ReconstructOptions& o, const LoadedSlices& loaded, const LabelTable& labels, Times& times) {
   auto start = Clock::now();
-  const auto file = load_slices(o.input);
-  if (!file) return tl::unexpected<Error>(file.error());
-  times.load = ms_since(start);
-  start = Clock::now();
-  auto reconstructor = prepare(o, file->slices);
+  auto reconstructor = prepare(o, loaded.slices);
   if (!reconstructor) return tl::unexpected<Error>(reconstructor.error());
   times.device_start = ms_since(start);
   start = Clock::now();
-  const auto outcomes = reconstruct(file->slices, o.online, *reconstructor, times);
+  const auto caps = caps_of(o.caps, loaded.slices, reconstructor->samples().spacing_mm());
+  const auto outcomes = reconstruct(loaded.slices, caps, o.online, *reconstructor, times);
   if (!outcomes) return tl::unexpected<Error>(outcomes.error());
   if (reconstructor->counts().triangles == 0)
     return fail(ErrorCode::empty_input, "the slices bound nothing that is a cell wide: give a larger --depth");
   const auto mesh = surfaces(*reconstructor, o.mesher, times.delaunay);
   if (!mesh) return tl::unexpected<Error>(mesh.error());
   times.total = ms_since(start);
+  return write_results(o, *mesh, report_json(loaded, *outcomes, *reconstructor, o.mesher, *mesh, labels, times), labels,
+                       reconstructor->samples().spacing_mm());
+}
 
-  const Json report = report_json(*file, *outcomes, *reconstructor, o.mesher, *mesh, *labels, times);
-  print(report);
-  if (auto written = write_output(*mesh, o.output, *labels, reconstructor->samples().spacing_mm(), o.compute.threads);
-      !written)
-    return written;
-  if (o.picture)
-    if (auto drawn = write_picture(*mesh, *labels, legend_of(*mesh, *labels), {}, *o.picture, o.compute.threads);
-        !drawn)
-      return drawn;
-  return o.report ? write_report(report, *o.report) : Result<void>{};
+Result<void> run_reconstruct(const ReconstructOptions& o) {
+  const auto labels = read_labels(o.labels);
+  if (!labels) return tl::unexpected<Error>(labels.error());
+  Times times;
+  const auto start = Clock::now();
+  const auto loaded = load_slices(o.input);
+  if (!loaded) return tl::unexpected<Error>(loaded.error());
+  times.load = ms_since(start);
+  return o.method.method ? run_method(o, *loaded, *labels, times.load) : run_live(o, *loaded, *labels, times);
 }
 
 }  // namespace
@@ -211,10 +256,22 @@ void add_reconstruct(CLI::App& app, Task& task) {
                    "With --completion published: how many unknown walls away cells are asked; default: no limit")
       ->check(CLI::Range(1, 1000))
       ->needs(completion);
+  add_field(*verb, options->field);
   add_admission(*verb, options->admission);
+  verb->add_option_function<std::string>(
+          "--caps",
+          [options](const std::string& name) {
+            options->caps = name == "gap" ? Caps::gap : name == "slice" ? Caps::slice : Caps::box;
+          },
+          "Where a stack of parallel slices ends beyond the last ones: gap (empty one gap on: a flat end closes half "
+          "way), slice (closed at the last slices) or box (nothing is assumed)")
+      ->check(CLI::IsMember({"gap", "slice", "box"}))
+      ->default_str("gap");
   add_mesher(*verb, options->mesher);
   add_resolution(*verb, options->resolution);
   add_compute(*verb, options->compute);
+  add_method(*verb, options->method,
+             {"--online", "--completion", "--field", "--admission", "--caps", "--mesher", "--device"});
   add_report(*verb, options->report);
   verb->callback([&task, options] { task = [options] { return run_reconstruct(*options); }; });
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/slopes/fading.h"
+#include "core/slopes/contour/fading.h"
 #include "core/slopes/windows.h"
 
 namespace sonoloft {

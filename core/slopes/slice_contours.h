@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/cells/cell_complex.h"
-#include "core/slopes/arc_shape.h"
-#include "core/slopes/arcs.h"
-#include "core/slopes/border_tree.h"
+#include "core/slopes/contour/arc_shape.h"
+#include "core/slopes/contour/arcs.h"
+#include "core/slopes/contour/border_tree.h"
 #include "core/slopes/vertex_bend.h"
 
 namespace sonoloft {

@@ -1,10 +1,10 @@
 #include "host/apps/measure/pieces.h"
 
 #include <Eigen/Geometry>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <numeric>
 #include <set>
 #include <vector>
 
@@ -13,36 +13,22 @@
 namespace sonoloft {
 namespace {
 
-/// Vertices joined by triangles.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 Pieces pieces_of(const IndexedMesh& mesh, Label label, double large_mm3) {
-  Sets sets(mesh.positions.size());
+  boost::disjoint_sets_with_storage<> sets(mesh.positions.size());  // vertices joined by triangles
   std::set<std::uint32_t> vertices;
   std::vector<std::size_t> triangles;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if ((mesh.label_front[t] == label) == (mesh.label_back[t] == label)) continue;
     triangles.push_back(t);
     for (const std::uint32_t v : mesh.triangles[t]) {
-      sets.join(v, mesh.triangles[t][0]);
+      sets.union_set(v, mesh.triangles[t][0]);
       vertices.insert(v);
     }
   }
-  std::map<std::uint32_t, double> volume_mm3;  // by root; hollows have less than none
+  std::map<std::size_t, double> volume_mm3;  // by root; hollows have less than none
   for (const std::size_t t : triangles) {
     const auto [a, b, c] = corners(mesh, t);
-    volume_mm3[sets.root(mesh.triangles[t][0])] += (mesh.label_back[t] == label ? 1 : -1) * a.dot(b.cross(c)) / 6;
+    volume_mm3[sets.find_set(mesh.triangles[t][0])] += (mesh.label_back[t] == label ? 1 : -1) * a.dot(b.cross(c)) / 6;
   }
   Pieces pieces{volume_mm3.size(), 0, 0};
   for (const auto& [root, volume] : volume_mm3) pieces.large += std::abs(volume) >= large_mm3;

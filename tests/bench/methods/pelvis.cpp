@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "tests/support/stack_slices.h"
+#include "tests/support/stacks/stack_slices.h"
 
 namespace sonoloft::bench {
 namespace {

@@ -7,11 +7,11 @@
 #include "core/methods/catalogue.h"
 #include "core/methods/equal_importance/contour_blend.h"
 #include "core/methods/metamorphosis/contour_morph.h"
-#include "tests/support/covered_overlap.h"
 #include "tests/support/mesh/contour_distance.h"
 #include "tests/support/mesh/mesh_check.h"
 #include "tests/support/recorded_slices.h"
-#include "tests/support/slice_crease.h"
+#include "tests/support/stacks/covered_overlap.h"
+#include "tests/support/stacks/slice_crease.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

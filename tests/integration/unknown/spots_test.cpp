@@ -169,9 +169,9 @@ TEST_CASE("spots: two cylinders side by side stay two") {
       REQUIRE(volumes.size() >= 2);
       MESSAGE(c.name, ": ", volumes.size(), " pieces, the largest two ", volumes[0] / whole[0], " and ",
               volumes[1] / whole[1], " of what they were, genus ", report.labels.at(1).genus());
-      // Contours bulge between slices in the smooth field: there a spot may break through to a boundary 2 mm away too.
-      if (!may_break_through(c) && (field == FieldMethod::step || c.spot != Spot::wrong))
-        CHECK(report.labels.at(1).genus() == 0);
+      // Contours bulge between slices in the smooth field: there a hole may break through to a boundary 2 mm away too.
+      const bool bulges_through = field == FieldMethod::smooth && c.spot == Spot::wrong && c.out_mm == -4;
+      if (!may_break_through(c) && !bulges_through) CHECK(report.labels.at(1).genus() == 0);
       for (std::size_t i = 0; i < 2; ++i) {
         CHECK(volumes[i] > 0.97 * whole[i]);
         CHECK(volumes[i] < 1.03 * whole[i]);

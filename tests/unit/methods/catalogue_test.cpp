@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/stack_slices.h"
+#include "tests/support/stacks/stack_slices.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

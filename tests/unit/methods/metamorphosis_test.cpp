@@ -7,7 +7,7 @@
 
 #include "tests/support/mesh/contour_distance.h"
 #include "tests/support/mesh/mesh_check.h"
-#include "tests/support/stack_slices.h"
+#include "tests/support/stacks/stack_slices.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

@@ -4,8 +4,8 @@
 
 #include "core/methods/equal_importance/contour_blend.h"
 #include "core/methods/metamorphosis/contour_morph.h"
-#include "tests/support/slice_crease.h"
-#include "tests/support/stack_slices.h"
+#include "tests/support/stacks/slice_crease.h"
+#include "tests/support/stacks/stack_slices.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

@@ -6,7 +6,7 @@
 #include "core/methods/stack/slice_stack.h"
 #include "tests/support/planes.h"
 #include "tests/support/slice_truth.h"
-#include "tests/support/stack_slices.h"
+#include "tests/support/stacks/stack_slices.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;

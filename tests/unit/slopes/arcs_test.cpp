@@ -1,8 +1,8 @@
-#include "core/slopes/arcs.h"
+#include "core/slopes/contour/arcs.h"
 
 #include <doctest/doctest.h>
 
-#include "core/slopes/arc_shape.h"
+#include "core/slopes/contour/arc_shape.h"
 #include "tests/support/planes.h"
 
 namespace sonoloft {

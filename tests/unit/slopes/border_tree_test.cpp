@@ -1,4 +1,4 @@
-#include "core/slopes/border_tree.h"
+#include "core/slopes/contour/border_tree.h"
 
 #include <doctest/doctest.h>
 

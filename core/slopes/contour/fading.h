@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "core/slopes/arc_shape.h"
-#include "core/slopes/border_tree.h"
+#include "core/slopes/contour/arc_shape.h"
+#include "core/slopes/contour/border_tree.h"
 
 namespace sonoloft {
 

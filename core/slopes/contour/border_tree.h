@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/slopes/arcs.h"
+#include "core/slopes/contour/arcs.h"
 
 namespace sonoloft {
 

@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/slopes/arcs.h"
+#include "core/slopes/contour/arcs.h"
 
 namespace sonoloft {
 

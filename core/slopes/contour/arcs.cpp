@@ -1,4 +1,4 @@
-#include "core/slopes/arcs.h"
+#include "core/slopes/contour/arcs.h"
 
 #include <algorithm>
 #include <utility>

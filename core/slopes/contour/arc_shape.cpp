@@ -1,4 +1,4 @@
-#include "core/slopes/arc_shape.h"
+#include "core/slopes/contour/arc_shape.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "core/slopes/fading.h"
+#include "core/slopes/contour/fading.h"
 
 #include <algorithm>
 #include <cmath>

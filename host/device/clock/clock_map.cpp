@@ -92,7 +92,8 @@ ClockMap::Piece ClockMap::fit() const {
     sxy += weight * dx * (y - mean_y);
   }
   const double drift = std::clamp(sxy / sxx, -kLargestDrift, kLargestDrift);
-  Piece line{origin.device_ns, origin.middle_ns() + std::llround(mean_y - drift * mean_x), drift, 1 / std::sqrt(sxx)};
+  // Where requests and replies do not take equally long, middles are off by up to half of the round trip: two sigma.
+  Piece line{origin.device_ns, origin.middle_ns() + std::llround(mean_y - drift * mean_x), drift, 2 / std::sqrt(sxx)};
   find_surest(line);
   return line;
 }

@@ -97,7 +97,9 @@ struct Reconstructor::State {
   CellAdmission admission;
   std::optional<ContourSlopes> slopes;   ///< of FieldMethod::smooth
   std::vector<CellId> cut;               ///< since slopes were brought up to date: these are sampled anew anyway
-  std::vector<std::uint64_t> slice_ids;  ///< [SliceId] TrackedSlice::id
+  std::vector<std::uint64_t> slice_ids;  ///< [SliceId] TrackedSlice::id; of caps: meaningless
+  std::vector<SliceId> caps;             ///< held at the ends of a stack, after all other slices
+  bool caps_due = false;                 ///< slices came or went since
   std::optional<Background> background;  ///< once there is a need
   std::map<SliceId, Rim> rims;           ///< of the slices held, once there is a background
   std::optional<PublishedCompletion> completion;
@@ -110,7 +112,7 @@ struct Reconstructor::State {
   /// Slices that show everything everywhere leave nothing for a background to fill.
   void make_background() {
     background.emplace(options.box, options.background_mm);
-    for (const SliceId slice : cells.slices()) add_to_background(slice);
+    for (const SliceId slice : slices()) add_to_background(slice);
   }
 
   void add_to_background(SliceId slice) {
@@ -124,6 +126,43 @@ struct Reconstructor::State {
     slopes->note(delta);
     for (const auto* cells_cut : {&delta.divided, &delta.upper})
       cut.insert(cut.end(), cells_cut->begin(), cells_cut->end());
+  }
+
+  /// What was added and not withdrawn, ascending.
+  [[nodiscard]] std::vector<SliceId> slices() const {
+    std::vector<SliceId> held = cells.slices();
+    std::erase_if(held, [&](SliceId slice) { return std::ranges::find(caps, slice) != caps.end(); });
+    return held;
+  }
+
+  CellComplex::Withdrawal take_back(SliceId slice) {
+    CellComplex::Withdrawal withdrawal = cells.withdraw(slice);
+    for (Level& l : levels) l.octree.note(cells, withdrawal);
+    if (slopes) slopes->note(slice, withdrawal);
+    return withdrawal;
+  }
+
+  /// Slices come and go as if caps had never been there.
+  void lift_caps() {
+    for (; !caps.empty(); caps.pop_back()) take_back(caps.back());
+    caps_due = options.caps != Caps::box;
+  }
+
+  /// Caps say nothing of what was seen: they cut cells, and are not in the background.
+  void place_caps() {
+    if (!std::exchange(caps_due, false)) return;
+    std::vector<Eigen::Isometry3d> frames;
+    for (const SliceId slice : slices()) frames.push_back(cells.section(slice).image_to_reference);
+    for (const Eigen::Isometry3d& frame :
+         stack_caps(frames, options.caps == Caps::gap ? 1 : 0, 0.5 * options.spacing_mm)) {
+      Section empty;
+      empty.image_to_reference = frame;
+      const auto delta = cells.insert(std::move(empty));
+      if (!delta) continue;  // outside of the box, which ends the object there itself
+      note(*delta);
+      caps.push_back(delta->slice);
+      slice_ids.push_back(0);
+    }
   }
 
   void update_slopes() {
@@ -207,6 +246,7 @@ Result<InsertReport> Reconstructor::add(const TrackedSlice& slice) {
   InsertReport report;
   report.repaired_crossings = section->repaired_crossings;
   if (!s.background && (s.news_only() || has_unknown_part(*section))) s.make_background();
+  s.lift_caps();
   const auto widths = s.judge(*section);
   if (!widths) return tl::unexpected<Error>(widths.error());
   const auto delta = s.cells.insert(std::move(*section), [&](CellId cell) { return s.width_mm(*widths, cell); });
@@ -229,7 +269,7 @@ Result<InsertReport> Reconstructor::add(const TrackedSlice& slice) {
 
 Result<void> Reconstructor::withdraw(std::uint64_t id) {
   State& s = *state_;
-  const std::vector<SliceId> held = s.cells.slices();
+  const std::vector<SliceId> held = s.slices();
   const auto found = std::find_if(held.rbegin(), held.rend(),
                                   [&](SliceId slice) { return s.slice_ids[static_cast<std::uint32_t>(slice)] == id; });
   if (found == held.rend())
@@ -240,9 +280,8 @@ Result<void> Reconstructor::withdraw(std::uint64_t id) {
     s.rims.erase(*found);
   }
   s.completion_due = s.options.completion == Completion::published;
-  const CellComplex::Withdrawal withdrawal = s.cells.withdraw(*found);
-  for (Level& level : s.levels) level.octree.note(s.cells, withdrawal);
-  if (s.slopes) s.slopes->note(*found, withdrawal);
+  s.lift_caps();
+  const CellComplex::Withdrawal withdrawal = s.take_back(*found);
   for (const SliceId slice : held) {
     if (slice == *found) continue;
     Result<CellAdmission::Widths> widths;  // of the few slices that get there
@@ -260,6 +299,9 @@ Result<void> Reconstructor::withdraw(std::uint64_t id) {
 Result<UpdateReport> Reconstructor::update(Detail detail, Slopes slopes) {
   State& s = *state_;
   UpdateReport report;
+  const auto begin = Clock::now();
+  s.place_caps();
+  report.cells_ms = ms_since(begin);
   if (s.background) {
     const auto start = Clock::now();
     const auto changes = s.background->update(s.options.threads);
@@ -309,7 +351,7 @@ Coverage Reconstructor::coverage() {
   State& s = *state_;
   if (!s.background) s.make_background();
   std::vector<const Section*> sections;
-  for (const SliceId slice : s.cells.slices()) sections.push_back(&s.cells.section(slice));
+  for (const SliceId slice : s.slices()) sections.push_back(&s.cells.section(slice));
   return coverage_of(sections, *s.background);
 }
 

@@ -14,6 +14,7 @@
 #include "core/field/device_choice.h"
 #include "core/field/field_method.h"
 #include "core/mesh/mesh.h"
+#include "core/reconstructor/stack_caps.h"
 #include "core/slice/result.h"
 #include "core/slice/tracked_slice.h"
 
@@ -41,6 +42,7 @@ struct ReconstructorOptions {
                                ///< object; how much of `news` counts is measured in it too, and corners of the
                                ///< published completion are that far apart; > 0
   FieldMethod field = FieldMethod::smooth;
+  Caps caps = Caps::gap;  ///< of slices in parallel planes; others see the ends of the object from the side
   Admission admission = Admission::news;
   Completion completion = Completion::background;  ///< `published` needs Admission::everything
   std::optional<int> hops;  ///< of `published`: how many unknown walls away cells are asked, >= 1; none: all of them
@@ -98,6 +100,7 @@ struct UpdateReport {
   std::size_t edge_evaluations = 0;  ///< edges of cells summed for these samples
   std::size_t bricks_smoothed = 0;
   std::size_t chunks_rebuilt = 0;
+  double cells_ms = 0;       ///< cutting at the ends of a stack
   double background_ms = 0;  ///< and of the published completion
   double slopes_ms = 0;
   double field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;

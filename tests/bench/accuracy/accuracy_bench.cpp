@@ -5,7 +5,6 @@
 #include <tuple>
 #include <utility>
 
-#include "core/reconstructor/stack_caps.h"
 #include "host/apps/measure/accuracy.h"
 #include "tests/bench/accuracy/cases.h"
 #include "tests/bench/support/reconstruction.h"
@@ -23,7 +22,6 @@ IndexedMesh mesh_of(std::span<const TrackedSlice> slices, ReconstructorOptions o
   options.threads = kThreads;
   Reconstructor reconstructor = or_exit(Reconstructor::create(options));
   for (const TrackedSlice& slice : slices) or_exit(reconstructor.add(slice));
-  for (const TrackedSlice& cap : stack_caps(slices, 1, 0.5 * options.spacing_mm)) or_exit(reconstructor.add(cap));
   or_exit(reconstructor.update());
   return reconstructor.mesh().indexed();
 }

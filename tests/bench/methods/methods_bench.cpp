@@ -4,7 +4,6 @@
 
 #include "core/io/meshes/mesh_files.h"
 #include "core/methods/catalogue.h"
-#include "core/reconstructor/stack_caps.h"
 #include "host/apps/measure/measure.h"
 #include "tests/bench/methods/pelvis.h"
 #include "tests/bench/support/reconstruction.h"
@@ -23,7 +22,6 @@ Result<IndexedMesh> live_mesh(std::span<const TrackedSlice> slices, Reconstructo
   options.device = DeviceChoice::cpu;
   Reconstructor reconstructor = or_exit(Reconstructor::create(options));
   for (const TrackedSlice& slice : slices) or_exit(reconstructor.add(slice));
-  for (const TrackedSlice& cap : stack_caps(slices, 1, 0.5 * options.spacing_mm)) or_exit(reconstructor.add(cap));
   or_exit(reconstructor.update());
   return reconstructor.mesh().indexed();
 }

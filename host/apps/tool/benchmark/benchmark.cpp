@@ -11,7 +11,6 @@
 #include "core/io/meshes/mesh_files.h"
 #include "core/io/slices/slice_files.h"
 #include "core/reconstructor/reconstructor.h"
-#include "core/reconstructor/stack_caps.h"
 #include "host/apps/measure/accuracy.h"
 
 namespace sonoloft::tool {
@@ -75,8 +74,6 @@ Result<IndexedMesh> reconstructed(const std::vector<TrackedSlice>& slices, const
   if (!reconstructor) return tl::unexpected<Error>(reconstructor.error());
   for (const TrackedSlice& slice : slices)
     if (const auto added = reconstructor->add(slice); !added) return tl::unexpected<Error>(added.error());
-  for (const TrackedSlice& cap : stack_caps(slices, 1, 0.5 * options->spacing_mm))
-    if (const auto added = reconstructor->add(cap); !added) return tl::unexpected<Error>(added.error());
   if (const auto updated = reconstructor->update(); !updated) return tl::unexpected<Error>(updated.error());
   return reconstructor->mesh().indexed();
 }

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/reconstructor/reconstructor.h"
-#include "core/reconstructor/stack_caps.h"
 #include "host/apps/tool/common_options.h"
 #include "host/apps/tool/figures.h"
 #include "host/apps/tool/mesh_output.h"
@@ -21,7 +20,6 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 /// Where a stack of slices ends.
-enum class Caps { box, gap, slice };
 
 struct ReconstructOptions {
   SliceInput input;
@@ -29,7 +27,7 @@ struct ReconstructOptions {
   bool online = false;
   FieldMethod field = ReconstructorOptions{}.field;
   Admission admission = Admission::everything;
-  Caps caps = Caps::gap;
+  Caps caps = ReconstructorOptions{}.caps;
   Completion completion = Completion::background;
   std::optional<int> hops;
   Mesher mesher = Mesher::live;
@@ -50,6 +48,7 @@ struct Times {
   std::vector<double> per_slice;
 
   void add(const UpdateReport& update) {
+    cells += update.cells_ms;
     completion += update.background_ms;
     slopes += update.slopes_ms;
     field += update.field_ms;
@@ -80,6 +79,7 @@ Result<Reconstructor> prepare(const ReconstructOptions& o, std::span<const Track
   auto options = sized_for(o, slices);
   if (!options) return tl::unexpected<Error>(options.error());
   options->field = o.field;
+  options->caps = o.caps;
   options->admission = o.admission;
   options->completion = o.completion;
   options->hops = o.hops;
@@ -89,9 +89,8 @@ Result<Reconstructor> prepare(const ReconstructOptions& o, std::span<const Track
   return Reconstructor::create(*options);
 }
 
-/// @param caps  empty slices beyond the ends of a stack
-Result<SliceOutcomes> reconstruct(std::span<const TrackedSlice> slices, std::span<const TrackedSlice> caps, bool online,
-                                  Reconstructor& reconstructor, Times& times) {
+Result<SliceOutcomes> reconstruct(std::span<const TrackedSlice> slices, bool online, Reconstructor& reconstructor,
+                                  Times& times) {
   SliceOutcomes outcomes;
   const auto bring_up_to_date = [&]() -> Result<void> {
     const auto update = reconstructor.update();
@@ -113,16 +112,9 @@ Result<SliceOutcomes> reconstruct(std::span<const TrackedSlice> slices, std::spa
       if (const auto updated = bring_up_to_date(); !updated) return tl::unexpected<Error>(updated.error());
     times.per_slice.push_back(ms_since(start));
   }
-  for (const TrackedSlice& cap : caps)  // refused outside of the box, which ends the object there itself
-    if (const auto added = reconstructor.add(cap)) times.cells += added->cells_ms;
-  if (!online || !caps.empty())
+  if (!online)
     if (const auto updated = bring_up_to_date(); !updated) return tl::unexpected<Error>(updated.error());
   return outcomes;
-}
-
-std::vector<TrackedSlice> caps_of(Caps caps, std::span<const TrackedSlice> slices, double spacing_mm) {
-  if (caps == Caps::box) return {};
-  return stack_caps(slices, caps == Caps::gap ? 1 : 0, 0.5 * spacing_mm);
 }
 
 Json input_json(const LoadedSlices& loaded) {
@@ -209,8 +201,7 @@ Result<void> run_live(const ReconstructOptions& o, const LoadedSlices& loaded, c
   if (!reconstructor) return tl::unexpected<Error>(reconstructor.error());
   times.device_start = ms_since(start);
   start = Clock::now();
-  const auto caps = caps_of(o.caps, loaded.slices, reconstructor->samples().spacing_mm());
-  const auto outcomes = reconstruct(loaded.slices, caps, o.online, *reconstructor, times);
+  const auto outcomes = reconstruct(loaded.slices, o.online, *reconstructor, times);
   if (!outcomes) return tl::unexpected<Error>(outcomes.error());
   if (reconstructor->counts().triangles == 0)
     return fail(ErrorCode::empty_input, "the slices bound nothing that is a cell wide: give a larger --depth");

@@ -26,6 +26,9 @@ static_assert(SONOLOFT_CALLBACK_THREW == static_cast<int>(ScanEventKind::callbac
 static_assert(SONOLOFT_RECONSTRUCTION_FAILED == static_cast<int>(ScanEventKind::reconstruction_failed));
 static_assert(SONOLOFT_END_OF_DATA == static_cast<int>(ScanEventKind::end_of_data));
 static_assert(SONOLOFT_BUTTON == static_cast<int>(ScanEventKind::button));
+static_assert(SONOLOFT_CAPS_GAP == static_cast<int>(Caps::gap));
+static_assert(SONOLOFT_CAPS_SLICE == static_cast<int>(Caps::slice));
+static_assert(SONOLOFT_CAPS_BOX == static_cast<int>(Caps::box));
 static_assert(SONOLOFT_BLOB_FIRMWARE == static_cast<int>(device::BlobKind::firmware));
 static_assert(SONOLOFT_BLOB_CALIBRATION == static_cast<int>(device::BlobKind::calibration));
 
@@ -40,6 +43,11 @@ Result<ScanOptions> options_of(const sonoloft_scan_options* given) {
   if (read->threads != 0) r.threads = read->threads;
   if (read->processor_only != 0) r.device = DeviceChoice::cpu;
   if (read->interpolate_all != 0) r.admission = Admission::everything;
+  if (read->step_field != 0) r.field = FieldMethod::step;
+  if (read->caps < SONOLOFT_CAPS_GAP || read->caps > SONOLOFT_CAPS_BOX)
+    return fail(ErrorCode::invalid_argument,
+                "caps is " + std::to_string(read->caps) + ": give one of sonoloft_caps, or zero the options before use");
+  r.caps = static_cast<Caps>(read->caps);
   if (read->lossless != 0) options.stream.mode = device::StreamMode::lossless;
   if (read->queue_slices != 0) options.queue_capacity = read->queue_slices;
   if (read->interpolate_poses != 0) options.pose_offset = std::chrono::nanoseconds(read->pose_offset_ns);
@@ -100,6 +108,7 @@ sonoloft_coverage coverage_of(const Coverage& coverage) {
   sonoloft_coverage c{};
   c.volume_ml = kMlPerMm3 * coverage.volume_mm3;
   c.seen_ml = kMlPerMm3 * coverage.seen_mm3;
+  c.near_mm = coverage.near_mm;
   if (const auto& gap = coverage.largest_gap) {
     c.gap_ml = kMlPerMm3 * gap->volume_mm3;
     Eigen::Map<Eigen::Vector3d>(c.gap_centre_mm) = gap->centre_mm;

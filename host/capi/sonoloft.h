@@ -255,6 +255,13 @@ const sonoloft_slice* sonoloft_mesh_slice(const sonoloft_mesh* mesh, size_t inde
 /* A device and a reconstruction, joined: slices go into the mesh as they come, every new mesh goes to your callback. */
 typedef struct sonoloft_scan sonoloft_scan;
 
+/* Where an object ends beyond the first and the last of slices in parallel planes. */
+typedef enum sonoloft_caps {
+  SONOLOFT_CAPS_GAP = 0,   /* an empty plane one gap beyond: a flat end closes about half way to it */
+  SONOLOFT_CAPS_SLICE = 1, /* at the slice itself */
+  SONOLOFT_CAPS_BOX = 2    /* the surface runs out towards the walls of the box */
+} sonoloft_caps;
+
 typedef struct sonoloft_scan_options {
   size_t size;
   double box_min_mm[3], box_max_mm[3]; /* the space of the scan, reference: about one object larger than the object on
@@ -269,6 +276,8 @@ typedef struct sonoloft_scan_options {
   uint32_t queue_slices;   /* that may wait for the reconstruction; default 256 */
   int32_t interpolate_poses; /* not 0: an image gets the pose of its time + pose_offset_ns, between two measured ones */
   int64_t pose_offset_ns;    /* as `sonoloft calibrate-time` measures */
+  int32_t caps;              /* a sonoloft_caps */
+  int32_t step_field;        /* not 0: between slices the published field, whose surface leaves each at a right angle */
 } sonoloft_scan_options;
 
 /* Opens the device and prepares the reconstruction, which the first time may take a second. Takes the probe, also where
@@ -359,6 +368,7 @@ typedef struct sonoloft_coverage {
   double gap_ml; /* the largest connected part that was not seen; 0: there is none, and the following is not set */
   double gap_centre_mm[3];
   double gap_image_to_reference[12]; /* a plane that shows most of it; as that of a slice */
+  double near_mm;                    /* up to where a point counts as seen */
 } sonoloft_coverage;
 /* You set `size`; as many bytes are written. Some 50 ms; waits for an update that runs. */
 sonoloft_status sonoloft_scan_coverage(const sonoloft_scan* scan, sonoloft_coverage* coverage, sonoloft_error* error);

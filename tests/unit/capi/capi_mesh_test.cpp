@@ -149,6 +149,7 @@ TEST_CASE("capi: coverage, confidence, withdrawal and the device's names") {
   CHECK(coverage.seen_ml > 0);
   CHECK(coverage.seen_ml <= coverage.volume_ml);
   CHECK(coverage.gap_ml > 0);
+  CHECK(coverage.near_mm == doctest::Approx(12));
 
   const sonoloft_mesh_arrays* mesh = sonoloft_mesh_get_arrays(follower.last());
   std::vector<float> measured(mesh->vertices, -1), distance_mm(mesh->vertices, -1);
@@ -162,6 +163,33 @@ TEST_CASE("capi: coverage, confidence, withdrawal and the device's names") {
   CHECK(sonoloft_scan_withdraw(scan, 0, nullptr) == SONOLOFT_OK);
   CHECK(sonoloft_scan_withdraw(scan, 0, nullptr) == SONOLOFT_INVALID_ARGUMENT);
   sonoloft_scan_close(scan);
+}
+
+TEST_CASE("capi: the published field is a choice, and what is no choice of caps is refused") {
+  const auto triangles = [](int step_field) {
+    sonoloft_scan_options options = scan_options();
+    options.step_field = step_field;
+    options.caps = SONOLOFT_CAPS_BOX;
+    sonoloft_scan* const scan = open_scan(kSlices, 0, options);
+    Follower follower;
+    follower.start(scan);
+    REQUIRE(follower.wait_for(SONOLOFT_END_OF_DATA));
+    sonoloft_scan_stop(scan);
+    sonoloft_scan_close(scan);
+    return sonoloft_mesh_get_arrays(follower.last())->triangles;
+  };
+  const std::size_t smooth = triangles(0), step = triangles(1);
+  CHECK(smooth > 100);
+  CHECK(step > 100);
+  CHECK(smooth != step);
+  for (const int caps : {-1, 3}) {
+    sonoloft_scan_options options = scan_options();
+    options.caps = caps;
+    sonoloft_scan* scan = nullptr;
+    sonoloft_error error{};
+    CHECK(sonoloft_scan_open(simulated_probe(1, 0), &options, &scan, &error) == SONOLOFT_INVALID_ARGUMENT);
+    CHECK(scan == nullptr);
+  }
 }
 
 TEST_CASE("capi: structs have one size in C and in C++, and contours that of their bytes") {

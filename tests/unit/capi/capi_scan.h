@@ -37,8 +37,8 @@ inline sonoloft_scan_options scan_options() {
   return options;
 }
 
-inline sonoloft_scan* open_scan(std::uint32_t slices, double rate_hz = 0) {
-  const sonoloft_scan_options options = scan_options();
+inline sonoloft_scan* open_scan(std::uint32_t slices, double rate_hz = 0,
+                                const sonoloft_scan_options& options = scan_options()) {
   sonoloft_scan* scan = nullptr;
   sonoloft_error error{};
   REQUIRE_MESSAGE(sonoloft_scan_open(simulated_probe(slices, rate_hz), &options, &scan, &error) == SONOLOFT_OK,

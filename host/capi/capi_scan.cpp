@@ -45,8 +45,8 @@ Result<ScanOptions> options_of(const sonoloft_scan_options* given) {
   if (read->interpolate_all != 0) r.admission = Admission::everything;
   if (read->step_field != 0) r.field = FieldMethod::step;
   if (read->caps < SONOLOFT_CAPS_GAP || read->caps > SONOLOFT_CAPS_BOX)
-    return fail(ErrorCode::invalid_argument,
-                "caps is " + std::to_string(read->caps) + ": give one of sonoloft_caps, or zero the options before use");
+    return fail(ErrorCode::invalid_argument, "caps is " + std::to_string(read->caps) +
+                                                 ": give one of sonoloft_caps, or zero the options before use");
   r.caps = static_cast<Caps>(read->caps);
   if (read->lossless != 0) options.stream.mode = device::StreamMode::lossless;
   if (read->queue_slices != 0) options.queue_capacity = read->queue_slices;

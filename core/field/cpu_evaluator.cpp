@@ -28,6 +28,7 @@ class CpuEvaluator final : public FieldEvaluator {
                                                    batch.cells.runs().data(),
                                                    batch.cells.edges().data(),
                                                    batch.cells.vertices().data(),
+                                                   batch.cells.stretches().data(),
                                                    batch.tasks.data(),
                                                    batch.x.data(),
                                                    batch.y.data(),

@@ -84,13 +84,17 @@ SONOLOFT_FUNCTION Real multiply_add(Real a, Real b, Real c) {
 }
 #endif
 
+SONOLOFT_FUNCTION bool any_lane(Mask mask) {
+  return !all_lanes(!mask);
+}
+
 #include "core/kernels/field_sum.h"
 
 }  // namespace
 
 void SONOLOFT_CPU_KERNEL(const CpuKernelArguments& arguments, u32 first, u32 last) {
-  const FieldBuffers buffers = {arguments.cells,    arguments.faces,  arguments.runs, arguments.edges,
-                                arguments.vertices, arguments.weight, arguments.share};
+  const FieldBuffers buffers = {arguments.cells,    arguments.faces,     arguments.runs,   arguments.edges,
+                                arguments.vertices, arguments.stretches, arguments.weight, arguments.share};
   for (u32 t = first; t < last; ++t) {
     const PackedTask task = arguments.tasks[t];
     for (u32 lane = 0; lane < SONOLOFT_LANES; lane += kWidth) {

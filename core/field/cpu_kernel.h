@@ -11,6 +11,7 @@ struct CpuKernelArguments {
   const PackedRun* runs;
   const PackedEdge* edges;
   const PackedVertex* vertices;
+  const PackedStretch* stretches;
   const PackedTask* tasks;
   const float *x, *y, *z;
   float *weight, *share;

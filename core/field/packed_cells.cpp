@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/field/stretches.h"
+
 namespace sonoloft {
 namespace {
 
@@ -36,6 +38,7 @@ void PackedCells::clear() {
   runs_.clear();
   edges_.clear();
   vertices_.clear();
+  stretches_.clear();
   labels_.clear();
   centres_mm_.clear();
 }
@@ -137,8 +140,8 @@ void PackedCells::add_vertex(const Image& image, const Eigen::Vector2d& point, c
                        static_cast<float>(bend.fading_per_mm * image.unit_mm)});
 }
 
-/// Fills slotted_: the rigid edges first, then by slots; of these in the order in which they follow each other along a
-/// contour.
+/// Fills slotted_: the rigid edges first, then by slots; of these in the order in which they follow each other along
+/// their contours.
 void PackedCells::collect_edges(const FacePolygon& polygon, std::span<const Label> slots, std::uint32_t unknown_slot,
                                 std::span<const EdgeBends> bends) {
   slotted_.clear();
@@ -150,13 +153,45 @@ void PackedCells::collect_edges(const FacePolygon& polygon, std::span<const Labe
     const bool bent = !bends.empty() && (moves(bends[i].a) || moves(bends[i].b));
     slotted_.push_back({i, bent, left > right, std::min(left, right), std::max(left, right)});
   }
-  std::sort(slotted_.begin(), slotted_.end(), [](const SlottedEdge& a, const SlottedEdge& b) {
-    const auto key = [](const SlottedEdge& e) {
-      const bool backward = e.bent && e.turned;
-      return std::tuple(e.bent, e.left, e.right, backward, backward ? ~e.edge : e.edge);
-    };
-    return key(a) < key(b);
+  const auto kind = [](const SlottedEdge& e) { return std::tuple(e.bent, e.left, e.right); };
+  std::sort(slotted_.begin(), slotted_.end(), [&](const SlottedEdge& a, const SlottedEdge& b) {
+    return std::tuple(kind(a), a.edge) < std::tuple(kind(b), b.edge);
   });
+  for (auto first = slotted_.begin(); first != slotted_.end();) {
+    const auto last =
+        std::find_if(first, slotted_.end(), [&](const SlottedEdge& e) { return kind(e) != kind(*first); });
+    if (first->bent) link(polygon, {first, last});
+    first = last;
+  }
+}
+
+/// Puts each edge behind the one that ends where it starts, where there is one.
+void PackedCells::link(const FacePolygon& polygon, std::span<SlottedEdge> edges) {
+  const auto before = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+    return std::tuple(p.x(), p.y()) < std::tuple(q.x(), q.y());
+  };
+  links_.clear();
+  for (const SlottedEdge& e : edges) {
+    const FaceEdge& edge = polygon[e.edge];
+    links_.push_back({e, e.turned ? edge.b : edge.a, e.turned ? edge.a : edge.b});
+  }
+  std::sort(links_.begin(), links_.end(), [&](const Link& l, const Link& r) { return before(l.start, r.start); });
+  const auto follower = [&](const Eigen::Vector2d& end, auto free) -> Link* {
+    auto at = std::ranges::lower_bound(links_, end, before, &Link::start);
+    while (at != links_.end() && at->start == end && !free(*at)) ++at;
+    return at != links_.end() && at->start == end ? &*at : nullptr;
+  };
+  for (const Link& link : links_)
+    if (Link* next = follower(link.end, [](const Link& l) { return !l.follows; })) next->follows = true;
+  auto out = edges.begin();
+  for (const bool loops : {false, true})
+    for (Link& head : links_)
+      if (loops || !head.follows)
+        for (Link* at = head.taken ? nullptr : &head; at != nullptr;
+             at = follower(at->end, [](const Link& l) { return !l.taken; })) {
+          at->taken = true;
+          *out++ = at->edge;
+        }
 }
 
 /// All edges from slotted_[first] on with the same slots. @return the first one after them
@@ -170,7 +205,7 @@ std::size_t PackedCells::add_rigid_run(const FacePolygon& polygon, const Image& 
     const FaceEdge& edge = polygon[e.edge];
     e.turned ? add_edge(image, edge.b, edge.a) : add_edge(image, edge.a, edge.b);
   }
-  runs_.push_back({first_edge, static_cast<std::uint32_t>(edges_.size()) - first_edge, run.left, run.right});
+  runs_.push_back({first_edge, static_cast<std::uint32_t>(edges_.size()) - first_edge, run.left, run.right, 0, 0});
   return i;
 }
 
@@ -192,7 +227,10 @@ std::size_t PackedCells::add_bent_run(const FacePolygon& polygon, const Image& i
     last = &b;
   }
   const auto count = static_cast<std::uint32_t>(vertices_.size()) - first_vertex - 1;
-  runs_.push_back({first_vertex, count, run.left, run.right});
+  const auto first_stretch = static_cast<std::uint32_t>(stretches_.size());
+  add_stretches(vertices_, first_vertex, stretches_);
+  const auto stretch_count = static_cast<std::uint32_t>(stretches_.size()) - first_stretch;
+  runs_.push_back({first_vertex, count, run.left, run.right, first_stretch, stretch_count});
   return i;
 }
 

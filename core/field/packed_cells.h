@@ -37,13 +37,14 @@ class PackedCells {
   /// The whole cell is labels(cell)[0]: there is nothing to evaluate.
   [[nodiscard]] bool constant(std::uint32_t cell) const { return cells_[cell].slot_count == 1; }
   [[nodiscard]] const Eigen::Vector3d& centre_mm(std::uint32_t cell) const { return centres_mm_[cell]; }
-  [[nodiscard]] std::uint32_t edge_count(std::uint32_t cell) const;  ///< evaluated for each point of the cell
+  [[nodiscard]] std::uint32_t edge_count(std::uint32_t cell) const;  ///< what a point sums that is far from none of them
 
   [[nodiscard]] std::span<const kernels::PackedCell> cells() const { return cells_; }
   [[nodiscard]] std::span<const kernels::PackedFace> faces() const { return faces_; }
   [[nodiscard]] std::span<const kernels::PackedRun> runs() const { return runs_; }
   [[nodiscard]] std::span<const kernels::PackedEdge> edges() const { return edges_; }
   [[nodiscard]] std::span<const kernels::PackedVertex> vertices() const { return vertices_; }
+  [[nodiscard]] std::span<const kernels::PackedStretch> stretches() const { return stretches_; }
 
  private:
   /// A border or a piece of an outline, between the slots left < right.
@@ -51,6 +52,12 @@ class PackedCells {
     std::uint32_t edge;  ///< of the polygon
     bool bent, turned;   ///< turned: its labels were the other way round, so it goes from b to a
     std::uint32_t left, right;
+  };
+  /// A bent edge on its way into a chain.
+  struct Link {
+    SlottedEdge edge;
+    Eigen::Vector2d start, end;
+    bool follows = false, taken = false;
   };
   /// Image of a face's plane, in units of the cell's size.
   struct Image {
@@ -68,6 +75,7 @@ class PackedCells {
   void add_vertex(const Image& image, const Eigen::Vector2d& point, const VertexBend& bend);
   void collect_edges(const FacePolygon& polygon, std::span<const Label> slots, std::uint32_t unknown_slot,
                      std::span<const EdgeBends> bends);
+  void link(const FacePolygon& polygon, std::span<SlottedEdge> edges);
   [[nodiscard]] std::size_t add_rigid_run(const FacePolygon& polygon, const Image& image, std::size_t first);
   [[nodiscard]] std::size_t add_bent_run(const FacePolygon& polygon, const Image& image,
                                          std::span<const EdgeBends> bends, std::size_t first);
@@ -77,9 +85,11 @@ class PackedCells {
   std::vector<kernels::PackedRun> runs_;
   std::vector<kernels::PackedEdge> edges_;
   std::vector<kernels::PackedVertex> vertices_;
+  std::vector<kernels::PackedStretch> stretches_;
   std::vector<Label> labels_;
   std::vector<Eigen::Vector3d> centres_mm_;
   std::vector<SlottedEdge> slotted_;
+  std::vector<Link> links_;
   BentFace bent_face_;
 };
 

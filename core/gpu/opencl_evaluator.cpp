@@ -17,7 +17,7 @@ namespace {
 using kernels::u32;
 
 constexpr std::size_t kLanes = SONOLOFT_LANES;
-constexpr cl_uint kFirstTaskArgument = 6;  ///< of the kernel; then the last task
+constexpr cl_uint kFirstTaskArgument = 7;  ///< of the kernel; then the last task
 /// Enough to keep a graphics device busy, little enough to be copied while another such piece is computed.
 constexpr std::size_t kTasksPerPiece = 4096;
 
@@ -109,14 +109,16 @@ class OpenClEvaluator final : public FieldEvaluator {
     };
     cl_int code = std::min({upload(cells_, batch.cells.cells()), upload(faces_, batch.cells.faces()),
                             upload(runs_, batch.cells.runs()), upload(edges_, batch.cells.edges()),
-                            upload(vertices_, batch.cells.vertices())});
-    code = std::min({code, tasks_.reserve(on_.context, bytes_of(batch.tasks)),
-                     x_.reserve(on_.context, bytes_of(batch.x)), y_.reserve(on_.context, bytes_of(batch.y)),
-                     z_.reserve(on_.context, bytes_of(batch.z)), weight_.reserve(on_.context, sizeof(float) * batch.weight_count),
-                     share_.reserve(on_.context, bytes_of(batch.share))});
+                            upload(vertices_, batch.cells.vertices()), upload(stretches_, batch.cells.stretches())});
+    code =
+        std::min({code, tasks_.reserve(on_.context, bytes_of(batch.tasks)), x_.reserve(on_.context, bytes_of(batch.x)),
+                  y_.reserve(on_.context, bytes_of(batch.y)), z_.reserve(on_.context, bytes_of(batch.z)),
+                  weight_.reserve(on_.context, sizeof(float) * batch.weight_count),
+                  share_.reserve(on_.context, bytes_of(batch.share))});
     cl_uint argument = 0;
     const auto set = [&](const auto& value) { code = std::min(code, kernel_.setArg(argument++, value)); };
-    for (const DeviceArray* array : {&cells_, &faces_, &runs_, &edges_, &vertices_, &tasks_}) set(array->buffer());
+    for (const DeviceArray* array : {&cells_, &faces_, &runs_, &edges_, &vertices_, &stretches_, &tasks_})
+      set(array->buffer());
     argument = kFirstTaskArgument + 2;
     for (const DeviceArray* array : {&x_, &y_, &z_, &weight_, &share_}) set(array->buffer());
     return code;  // errors are negative, success is 0
@@ -158,7 +160,7 @@ class OpenClEvaluator final : public FieldEvaluator {
   OpenClDevice on_;
   cl::Kernel kernel_;
   u32 width_;
-  DeviceArray cells_, faces_, runs_, edges_, vertices_, tasks_, x_, y_, z_, weight_, share_;
+  DeviceArray cells_, faces_, runs_, edges_, vertices_, stretches_, tasks_, x_, y_, z_, weight_, share_;
 };
 
 /// Points per work-item: a divisor of SONOLOFT_LANES.

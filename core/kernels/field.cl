@@ -13,6 +13,7 @@ typedef float Real;
 typedef int Mask;  // 1 where true
 #define pick(mask, a, b) ((mask) ? (a) : (b))
 #define all_lanes(mask) (mask)
+#define any_lane(mask) (mask)
 #define load(address) (*(address))
 #define store(a, address) (*(address) = (a))
 #else
@@ -20,6 +21,7 @@ typedef SONOLOFT_VECTOR(float, SONOLOFT_WIDTH) Real;
 typedef SONOLOFT_VECTOR(int, SONOLOFT_WIDTH) Mask;  // -1 where true
 #define pick(mask, a, b) select(b, a, mask)
 #define all_lanes(mask) all(mask)
+#define any_lane(mask) any(mask)
 #define load(address) SONOLOFT_VECTOR(vload, SONOLOFT_WIDTH)(0, address)
 #define store(a, address) SONOLOFT_VECTOR(vstore, SONOLOFT_WIDTH)(a, 0, address)
 #endif
@@ -39,8 +41,8 @@ typedef SONOLOFT_VECTOR(int, SONOLOFT_WIDTH) Mask;  // -1 where true
 
 __kernel void field_shares(__global const PackedCell* cells, __global const PackedFace* faces,
                            __global const PackedRun* runs, __global const PackedEdge* edges,
-                           __global const PackedVertex* vertices, __global const PackedTask* tasks, u32 first_task,
-                           u32 last_task, __global const float* x, __global const float* y, __global const float* z,
+                           __global const PackedVertex* vertices, __global const PackedStretch* stretches,
+                           __global const PackedTask* tasks, u32 first_task, u32 last_task, __global const float* x, __global const float* y, __global const float* z,
                            __global float* weight, __global float* share) {
   const u32 pieces = SONOLOFT_LANES / SONOLOFT_WIDTH;  // of a task
   const u32 index = (u32)get_global_id(0);
@@ -48,6 +50,6 @@ __kernel void field_shares(__global const PackedCell* cells, __global const Pack
   const PackedTask task = tasks[first_task + index / pieces];
   const u32 lane = index % pieces * SONOLOFT_WIDTH;
   const u32 point = task.first_point + lane;
-  const FieldBuffers buffers = {cells, faces, runs, edges, vertices, weight, share};
+  const FieldBuffers buffers = {cells, faces, runs, edges, vertices, stretches, weight, share};
   write_shares(&buffers, task, lane, load(x + point), load(y + point), load(z + point));
 }

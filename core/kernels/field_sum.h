@@ -1,7 +1,7 @@
 // The arithmetic of the field, read by both the OpenCL kernel and its CPU twin. Who includes it has defined
 //   Real, Mask                       numbers of the lanes side by side, and the outcome of comparing them
 //   pick(mask, a, b)                 per lane: mask ? a : b
-//   all_lanes(mask)                  whether it holds in every lane
+//   all_lanes(mask), any_lane(mask)  whether it holds in every lane, in one
 //   square_root(a), magnitude(a), splat(f), load(address), store(a, address), multiply_add(a, b, c) = a * b + c
 //   SONOLOFT_FUNCTION, SONOLOFT_GLOBAL   how a function is declared; the address space of the buffers
 // Formulas: docs/pipeline/4-field.md.
@@ -12,6 +12,7 @@ typedef struct FieldBuffers {
   SONOLOFT_GLOBAL const PackedRun* runs;
   SONOLOFT_GLOBAL const PackedEdge* edges;
   SONOLOFT_GLOBAL const PackedVertex* vertices;
+  SONOLOFT_GLOBAL const PackedStretch* stretches;
   SONOLOFT_GLOBAL float* weight;
   SONOLOFT_GLOBAL float* share;
 } FieldBuffers;
@@ -90,25 +91,72 @@ SONOLOFT_FUNCTION Real displacement(SONOLOFT_GLOBAL const PackedVertex* vertex, 
   return multiply_add(c * foot.h2, slow, a + a) / (slow * multiply_add(u2, u2, splat(2.0f)));
 }
 
+/// Where the foot of a point sees a vertex that has moved.
+typedef struct Seen {
+  Real x, y;
+} Seen;
+
+SONOLOFT_FUNCTION Seen seen_from(SONOLOFT_GLOBAL const PackedVertex* vertex, Foot foot, Real reach) {
+  const Real moved = displacement(vertex, foot, reach);
+  Seen seen;
+  seen.x = multiply_add(moved, splat(vertex->outward_x), splat(vertex->x)) - foot.x;
+  seen.y = multiply_add(moved, splat(vertex->outward_y), splat(vertex->y)) - foot.y;
+  return seen;
+}
+
+/// D * q of the edge from a to b.
+SONOLOFT_FUNCTION Real edge_between(Seen a, Seen b, Foot foot) {
+  const Real along_x = b.x - a.x, along_y = b.y - a.y;
+  const Real cross = multiply_add(a.x, along_y, -(a.y * along_x));
+  const Real length2 = multiply_add(along_x, along_x, along_y * along_y);
+  const Real w2 = multiply_add(cross, cross, length2 * foot.h2);
+  const Real v = multiply_add(a.x, b.x, multiply_add(a.y, b.y, foot.h2));
+  return cross * angle_quotient(v, w2);
+}
+
 /// The same as sum_edges() for the `count` edges between moved vertices.
 SONOLOFT_FUNCTION Real sum_bent_edges(SONOLOFT_GLOBAL const PackedVertex* vertex, u32 count, Foot foot, Real reach) {
   Real sum = splat(0.0f);
-  Real moved = displacement(vertex, foot, reach);
-  Real ax = multiply_add(moved, splat(vertex->outward_x), splat(vertex->x)) - foot.x;
-  Real ay = multiply_add(moved, splat(vertex->outward_y), splat(vertex->y)) - foot.y;
+  Seen a = seen_from(vertex, foot, reach);
   for (u32 i = 0; i < count; ++i) {
     ++vertex;
-    moved = displacement(vertex, foot, reach);
-    const Real bx = multiply_add(moved, splat(vertex->outward_x), splat(vertex->x)) - foot.x;
-    const Real by = multiply_add(moved, splat(vertex->outward_y), splat(vertex->y)) - foot.y;
-    const Real along_x = bx - ax, along_y = by - ay;
-    const Real cross = multiply_add(ax, along_y, -(ay * along_x));
-    const Real length2 = multiply_add(along_x, along_x, along_y * along_y);
-    const Real w2 = multiply_add(cross, cross, length2 * foot.h2);
-    const Real v = multiply_add(ax, bx, multiply_add(ay, by, foot.h2));
-    sum = multiply_add(cross, angle_quotient(v, w2), sum);
-    ax = bx;
-    ay = by;
+    const Seen b = seen_from(vertex, foot, reach);
+    sum = sum + edge_between(a, b, foot);
+    a = b;
+  }
+  return sum;
+}
+
+/// The same for a chain in stretches: each lane takes two edges for those that are far from it, and what it gets does
+/// not depend on the lanes beside it. @param bar  what a stretch may change of the sum over h
+SONOLOFT_FUNCTION Real sum_stretches(SONOLOFT_GLOBAL const PackedStretch* stretches, u32 count,
+                                     SONOLOFT_GLOBAL const PackedVertex* vertices, Foot foot, Real reach, Real bar) {
+  Real sum = splat(0.0f);
+  Real next = splat(0.0f);  // of each lane: the first stretch that it has not yet
+  for (u32 i = 0; i < count;) {
+    SONOLOFT_GLOBAL const PackedStretch* stretch = stretches + i;
+    const Real dx = splat(stretch->x) - foot.x, dy = splat(stretch->y) - foot.y;
+    const Real distance2 = multiply_add(dx, dx, multiply_add(dy, dy, foot.h2));
+    const Mask open = splat((float)i) >= next;
+    const Mask far =
+        open & (distance2 > splat(stretch->least2)) &
+        (distance2 * distance2 * bar >
+         multiply_add(multiply_add(splat(stretch->bow), foot.h, splat(stretch->sway)), foot.h, splat(stretch->rest)));
+    const Mask near = open & !far;
+    SONOLOFT_GLOBAL const PackedVertex* first = vertices + stretch->first;
+    if (any_lane(far)) {
+      const Seen middle = seen_from(&stretch->middle, foot, reach);
+      const Real part = edge_between(seen_from(first, foot, reach), middle, foot) +
+                        edge_between(middle, seen_from(first + stretch->count, foot, reach), foot);
+      sum = sum + pick(far, part, splat(0.0f));
+      next = pick(far, splat((float)stretch->next), next);
+    }
+    if (!any_lane(near)) {
+      i = stretch->next;
+      continue;
+    }
+    ++i;
+    if (stretch->next == i) sum = sum + pick(near, sum_bent_edges(first, stretch->count, foot, reach), splat(0.0f));
   }
   return sum;
 }
@@ -146,6 +194,7 @@ SONOLOFT_FUNCTION void write_shares(const FieldBuffers* buffers, PackedTask task
     total = total + whole;
   }
 
+  const Real bar = total * splat(0.5f * SONOLOFT_STRETCH_ERROR);
   for (u32 f = 0; f < cell.face_count && bent_count != 0; ++f) {
     SONOLOFT_GLOBAL const PackedFace* face = buffers->faces + cell.first_face + f;
     if (face->bent_count == 0) continue;
@@ -154,7 +203,11 @@ SONOLOFT_FUNCTION void write_shares(const FieldBuffers* buffers, PackedTask task
     const Real reach = foot.h * square_root(pick(of_face > splat(0.0f), of_face, splat(0.0f)));
     SONOLOFT_GLOBAL const PackedRun* run = buffers->runs + face->first_run + face->rigid_count;
     for (u32 r = 0; r < face->bent_count; ++r, ++run) {
-      const Real part = sum_bent_edges(buffers->vertices + run->first, run->count, foot, reach) / foot.h;
+      const Real chain = run->stretch_count != 0
+                             ? sum_stretches(buffers->stretches + run->first_stretch, run->stretch_count,
+                                             buffers->vertices, foot, reach, bar)
+                             : sum_bent_edges(buffers->vertices + run->first, run->count, foot, reach);
+      const Real part = chain / foot.h;
       add_to(share + run->left * task.stride, part);
       if (run->right != SONOLOFT_NO_SLOT) add_to(share + run->right * task.stride, -part);
     }

@@ -16,6 +16,8 @@ using u32 = std::uint32_t;
 /// Points are held this far off the walls, in units of the cell's size: on a wall the field has no value, beside it
 /// has.
 #define SONOLOFT_MIN_HEIGHT 1e-6f
+/// What a stretch of a contour may change of a share at most where two edges stand for it.
+#define SONOLOFT_STRETCH_ERROR 2e-4f
 
 /// A directed edge of a face in units of the cell's size; origin: the foot of the cell's centre on the plane.
 typedef struct PackedEdge {
@@ -34,10 +36,22 @@ typedef struct PackedVertex {
   float fading;     ///< one over the cell's size
 } PackedVertex;
 
+/// A stretch of a chain. After it come the stretches that it is halved into, if any. From afar two edges stand for it:
+/// from its first vertex by way of `middle`, which none of them is, to its last.
+typedef struct PackedStretch {
+  float x, y;             ///< where it is
+  float least2;           ///< squared distance beyond which that is allowed; infinity: never
+  float rest, sway, bow;  ///< (rest + sway h + bow h^2) / distance^4: what it changes of the face's weight at most
+  u32 first, count;       ///< the edges between vertices [first, first + count]
+  u32 next;               ///< the stretch after all that it is halved into, counted from the run's first
+  PackedVertex middle;
+} PackedStretch;
+
 /// Edges of one face with the same labels beside them.
 typedef struct PackedRun {
   u32 first, count;  ///< rigid: edges [first, first + count); bent: the edges between vertices [first, first + count]
   u32 left, right;   ///< slots; right may be SONOLOFT_NO_SLOT
+  u32 first_stretch, stretch_count;  ///< of long bent chains
 } PackedRun;
 
 /// A face: maps a point relative to the cell's centre (mm) to its foot and height in units of the cell's size.
@@ -64,7 +78,8 @@ typedef struct PackedTask {
 } PackedTask;
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(PackedEdge) == 20 && sizeof(PackedVertex) == 28 && sizeof(PackedRun) == 16);
+static_assert(sizeof(PackedEdge) == 20 && sizeof(PackedVertex) == 28 && sizeof(PackedRun) == 24 &&
+              sizeof(PackedStretch) == 64);
 static_assert(sizeof(PackedFace) == 60 && sizeof(PackedCell) == 16 && sizeof(PackedTask) == 20);
 static_assert(std::is_trivially_copyable_v<PackedFace>);
 }  // namespace sonoloft::kernels

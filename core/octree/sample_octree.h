@@ -29,7 +29,7 @@ class SampleOctree final : public SampleLattice {
     std::vector<BrickCoord> bricks;    ///< with a cell of which a corner's smoothed sample or a contour changed,
                                        ///< appeared or vanished; ascending
     std::size_t evaluated = 0;         ///< samples taken from the field, those in constant cells among them
-    std::size_t edge_evaluations = 0;  ///< edges summed for them
+    std::size_t edge_evaluations = 0;  ///< edges of cells times these; far ones are summed together
     std::size_t smoothed_bricks = 0;
     double field_ms = 0, octree_ms = 0, smooth_ms = 0;
   };

@@ -97,7 +97,7 @@ struct UpdateReport {
                                            ///< appeared or vanished; ascending
   std::size_t unsettled_cells = 0;         ///< that wait for a settled update of this detail
   std::size_t samples_evaluated = 0;
-  std::size_t edge_evaluations = 0;  ///< edges of cells summed for these samples
+  std::size_t edge_evaluations = 0;  ///< edges of cells times samples; far ones are summed together
   std::size_t bricks_smoothed = 0;
   std::size_t chunks_rebuilt = 0;
   double cells_ms = 0;       ///< cutting at the ends of a stack

@@ -9,6 +9,7 @@
 
 #include "core/gpu/opencl_evaluator.h"
 #include "tests/support/field/field_parity.h"
+#include "tests/support/field/long_contours.h"
 
 using namespace sonoloft;
 
@@ -35,6 +36,10 @@ TEST_CASE("field: the OpenCL kernel, with vectors and without, is within 1e-5 of
   for (const auto& evaluator : evaluators())
     for (const test::Borders borders : {test::Borders::stay, test::Borders::move})
       test::check_parity(*evaluator, borders);
+}
+
+TEST_CASE("field: OpenCL takes two edges for far stretches of long contours as the CPU twin does") {
+  for (const auto& evaluator : evaluators()) test::check_long_contours(*evaluator, 1e-5, 2e-4);
 }
 
 TEST_CASE("field: OpenCL and the CPU twin agree to 1e-4 on a handful of points (also run by oclgrind)") {

@@ -13,7 +13,7 @@ using kernels::PackedStretch;
 using kernels::PackedVertex;
 using kernels::u32;
 
-constexpr std::size_t kShortChain = 32, kShortStretch = 12;  ///< edges, measured: below that halving costs more
+constexpr std::size_t kShortChain = 24, kShortStretch = 12;  ///< edges, measured: below that halving costs more
 constexpr double kLeastStraightness = 0.5;  ///< chord over length of a stretch that two edges stand for
 constexpr double kLeastDistance = 2;        ///< in radii of the stretch, wherever its moments vanish
 

@@ -69,7 +69,7 @@ struct ContourSlopes::State {
   }
 
   /// Between all slices and those whose places on walls changed: where a slice cut nothing, it bends no other.
-  void renew_crossings(const CellComplex& cells, int threads) {
+  void renew_crossings(int threads) {
     const std::vector<bool> all(slices.size(), true);
     std::vector<bool> has_changed = all;  // withdrawn ones, too
     std::vector<SliceId> on_walls;
@@ -86,16 +86,16 @@ struct ContourSlopes::State {
       for (const SliceId b : on_walls)
         if (b > a || (b < a && !has_changed[static_cast<std::size_t>(b)])) pairs.emplace_back(a, b);
     }
-    find_crossings(cells, pairs, threads);
+    find_crossings(pairs, threads);
   }
 
-  void find_crossings(const CellComplex& cells, const std::vector<std::pair<SliceId, SliceId>>& pairs, int threads) {
+  void find_crossings(const std::vector<std::pair<SliceId, SliceId>>& pairs, int threads) {
     std::vector<std::pair<std::vector<Crossing>, std::vector<Crossing>>> found(pairs.size());
     constexpr std::size_t kGrain = 16;
     parallel_for(pairs.size(), kGrain, threads, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         const auto [a, b] = pairs[i];
-        found[i] = crossings_of(cells, a, contours(a), b, contours(b), feature_mm);
+        found[i] = crossings_of(a, contours(a), b, contours(b), feature_mm);
       }
     });
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -159,7 +159,7 @@ std::vector<CellId> ContourSlopes::update(const CellComplex& cells, int threads)
   s.measure_arrived(cells, threads);
   s.forget_removed(cells);
   s.sum_planes(cells, threads);
-  s.renew_crossings(cells, threads);
+  s.renew_crossings(threads);
   auto affected = s.blend_stale(cells, threads);
   s.arrived.clear();
   return affected;

@@ -29,8 +29,7 @@ struct Hit {
   [[nodiscard]] auto kind() const { return std::tie(left, right, leaves); }
 };
 
-std::vector<Hit> hits_on(const SliceContours& own, const Section& section, const SliceContours& other,
-                         const Vector3d& line) {
+std::vector<Hit> hits_on(const SliceContours& own, const SliceContours& other, const Vector3d& line) {
   const auto rotation = own.image_to_reference.linear();
   const Vector3d other_normal = other.normal();
   Vector2d normal = (rotation.transpose() * other_normal).head<2>();
@@ -42,7 +41,7 @@ std::vector<Hit> hits_on(const SliceContours& own, const Section& section, const
   own.borders.visit_near_line(normal, offset, [&](std::uint32_t place) {
     const Arc& arc = own.arcs.arc_at(place);
     const std::uint32_t next = arc.next(place);
-    const Vector2d &a = section.points[own.arcs.point[place]], &b = section.points[own.arcs.point[next]];
+    const Vector2d &a = own.calm.points[own.arcs.point[place]], &b = own.calm.points[own.arcs.point[next]];
     const double da = normal.dot(a) + offset, db = normal.dot(b) + offset;
     if (!arc.is_surface() || (da < 0) == (db < 0) || !own.is_on_wall(place)) return;
     const double share = da / (da - db);
@@ -95,17 +94,16 @@ Crossing crossing(const Hit& hit, double slope, SliceId other) {
 
 }  // namespace
 
-std::pair<std::vector<Crossing>, std::vector<Crossing>> crossings_of(const CellComplex& cells, SliceId a,
-                                                                     const SliceContours& contours_a, SliceId b,
-                                                                     const SliceContours& contours_b,
+std::pair<std::vector<Crossing>, std::vector<Crossing>> crossings_of(SliceId a, const SliceContours& contours_a,
+                                                                     SliceId b, const SliceContours& contours_b,
                                                                      double feature_mm) {
   std::pair<std::vector<Crossing>, std::vector<Crossing>> found;
   const Vector3d normal_a = contours_a.normal(), normal_b = contours_b.normal();
   const Vector3d line = normal_a.cross(normal_b);
   if (line.norm() < kLeastPlaneAngle) return found;
-  const std::vector<Hit> on_a = hits_on(contours_a, cells.section(a), contours_b, line.normalized());
+  const std::vector<Hit> on_a = hits_on(contours_a, contours_b, line.normalized());
   if (on_a.empty()) return found;
-  const std::vector<Hit> on_b = hits_on(contours_b, cells.section(b), contours_a, line.normalized());
+  const std::vector<Hit> on_b = hits_on(contours_b, contours_a, line.normalized());
   for (const Hit& hit : on_a) {
     const Hit* const partner = nearest(on_b, hit);
     if (partner == nullptr || nearest(on_a, *partner) != &hit) continue;

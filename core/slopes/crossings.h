@@ -10,10 +10,7 @@ namespace sonoloft {
 /// parallel.
 /// @param a, b  none of the two withdrawn
 /// @cost O(edges near the planes' common line)
-[[nodiscard]] std::pair<std::vector<Crossing>, std::vector<Crossing>> crossings_of(const CellComplex& cells, SliceId a,
-                                                                                   const SliceContours& contours_a,
-                                                                                   SliceId b,
-                                                                                   const SliceContours& contours_b,
-                                                                                   double feature_mm);
+[[nodiscard]] std::pair<std::vector<Crossing>, std::vector<Crossing>> crossings_of(
+    SliceId a, const SliceContours& contours_a, SliceId b, const SliceContours& contours_b, double feature_mm);
 
 }  // namespace sonoloft

@@ -51,7 +51,7 @@ void PlaneSlopes::renew(const CellComplex& cells, CellId cell, std::span<const s
     find_places(cells, cell, wall);
     find_neighbours(wall);
     for (const std::uint32_t place : places_) {
-      PlaneSums now = sum(cells, wall, place);
+      PlaneSums now = sum(wall, place);
       now.cell = static_cast<std::uint32_t>(cell);
       PlaneSums& held = wall.contours->sums[place][wall.above ? 1 : 0];
       if (held == now) continue;
@@ -126,9 +126,9 @@ double PlaneSlopes::solve(double weights) const {
   return slope;
 }
 
-PlaneSums PlaneSlopes::sum(const CellComplex& cells, const Wall& wall, std::uint32_t place) {
+PlaneSums PlaneSlopes::sum(const Wall& wall, std::uint32_t place) {
   const SliceContours& own = *wall.contours;
-  const Eigen::Vector2d& point = cells.section(wall.slice).points[own.arcs.point[place]];
+  const Eigen::Vector2d& point = own.calm.points[own.arcs.point[place]];
   const Eigen::Vector3d position = own.image_to_reference * Eigen::Vector3d(point.x(), point.y(), 0);
   const Eigen::Vector2d nu = own.shape.outward[place].cast<double>();
   const Eigen::Vector3d outward = own.image_to_reference.linear().leftCols<2>() * nu;

@@ -43,7 +43,7 @@ class PlaneSlopes {
   void find_places(const CellComplex& cells, CellId cell, const Wall& wall);
   void find_neighbours(const Wall& wall);
   [[nodiscard]] double solve(double weights) const;
-  [[nodiscard]] PlaneSums sum(const CellComplex& cells, const Wall& wall, std::uint32_t place);
+  [[nodiscard]] PlaneSums sum(const Wall& wall, std::uint32_t place);
 
   double feature_mm_ = 0;
   std::vector<CellFace> faces_;

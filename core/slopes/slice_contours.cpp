@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/slopes/contour/calming.h"
 #include "core/slopes/contour/fading.h"
 #include "core/slopes/windows.h"
 
@@ -28,11 +29,12 @@ std::vector<std::uint8_t> stations(const Arcs& arcs, double step_mm) {
 SliceContours::SliceContours(const Section& section, double feature_mm)
     : image_to_reference(section.image_to_reference),
       reference_to_image(section.image_to_reference.inverse(Eigen::Isometry)),
-      arcs(arcs_of(section)),
-      shape(shape_of(section, arcs, feature_mm)),
-      borders(section, arcs),
+      calm(calmed(section, arcs_of(section), feature_mm)),
+      arcs(arcs_of(calm)),
+      shape(shape_of(calm, arcs, feature_mm)),
+      borders(calm, arcs),
       is_station(stations(arcs, kStationStep * feature_mm)),
-      fading_per_mm(fading_of(section, arcs, shape, is_station, borders, feature_mm)),
+      fading_per_mm(fading_of(calm, arcs, shape, is_station, borders, feature_mm)),
       sums(arcs.point.size()),
       edge_cells(section.edges.size(), {kNoCell, kNoCell}),
       slope(arcs.point.size(), 0.0f),

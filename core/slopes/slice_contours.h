@@ -36,6 +36,7 @@ struct SliceContours {
   SliceContours(const Section& section, double feature_mm);
 
   Eigen::Isometry3d image_to_reference, reference_to_image;
+  Section calm;  ///< calmed(): all below is of its contours
   Arcs arcs;
   ArcShape shape;
   BorderTree borders;

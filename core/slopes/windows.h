@@ -19,4 +19,8 @@ inline constexpr double kShareOfClearance = 0.15;  ///< of the way to the middle
 inline constexpr double kClearanceReach = 8;       ///< borders farther apart do not mind each other
 inline constexpr double kGreatestSlope = 2;
 
+inline constexpr double kCalmingReach = 16;         ///< in standard deviations of the contour's noise
+inline constexpr double kGreatestCalmingReach = 3;  ///< however rough it is
+inline constexpr double kGreatestCalming = 3;       ///< standard deviations that a point may move
+
 }  // namespace sonoloft

@@ -26,7 +26,8 @@ class ArcWalk {
     while (along_mm < begin()) back();
     while (along_mm > end()) forward();
     const std::uint32_t place = arc_.first + step_;
-    return {place, arc_.next(place), (along_mm - begin()) / (end() - begin()), along_mm};
+    const double way = end() - begin();
+    return {place, arc_.next(place), way > 0 ? (along_mm - begin()) / way : 0, along_mm};
   }
 
  private:

@@ -1,35 +1,43 @@
 #include "core/slopes/contour/arcs.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace sonoloft {
 namespace {
 
-constexpr std::uint32_t kNotYet = 0xFFFFFFFF;
+constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
 class ArcBuilder {
  public:
   explicit ArcBuilder(const Section& section)
-      : section_(section), meeting_(section.points.size(), 0), leaving_(section.points.size(), kNotYet) {
-    arcs_.place_of_edge.assign(section.edges.size(), kNotYet);
-    for (std::uint32_t e = 0; e < section.edges.size(); ++e) {
-      ++meeting_[section.edges[e].a];
-      ++meeting_[section.edges[e].b];
-      leaving_[start(e)] = e;
-    }
+      : section_(section), next_(section.edges.size(), kNone), has_previous_(section.edges.size(), false) {
+    arcs_.place_of_edge.assign(section.edges.size(), kNone);
+    for (const Meeting& m : meetings())
+      if (m.is_passage()) join(m);
   }
 
   Arcs build() && {
     const auto edge_count = static_cast<std::uint32_t>(section_.edges.size());
     for (std::uint32_t e = 0; e < edge_count; ++e)
-      if (meeting_[start(e)] != 2) follow(e);
+      if (!has_previous_[e]) follow(e);
     for (std::uint32_t e = 0; e < edge_count; ++e)
-      if (arcs_.place_of_edge[e] == kNotYet) follow(e);
+      if (arcs_.place_of_edge[e] == kNone) follow(e);
     return std::move(arcs_);
   }
 
  private:
+  /// The edges at a point, the first two that come and that go.
+  struct Meeting {
+    std::array<std::uint32_t, 2> coming{}, going{};
+    std::uint32_t comers = 0, goers = 0;
+    bool two_labels = true;
+
+    /// Arcs go on here: of one border, or of one that crosses or touches itself.
+    [[nodiscard]] bool is_passage() const { return two_labels && comers == goers && comers <= 2; }
+  };
+
   [[nodiscard]] bool is_turned(const SectionEdge& e) const { return e.left < e.right; }
   [[nodiscard]] std::uint32_t start(std::uint32_t e) const {
     const SectionEdge& edge = section_.edges[e];
@@ -38,6 +46,42 @@ class ArcBuilder {
   [[nodiscard]] std::uint32_t end(std::uint32_t e) const {
     const SectionEdge& edge = section_.edges[e];
     return is_turned(edge) ? edge.a : edge.b;
+  }
+  [[nodiscard]] Eigen::Vector2d way(std::uint32_t e) const {
+    return section_.points[end(e)] - section_.points[start(e)];
+  }
+  [[nodiscard]] bool same_labels(std::uint32_t e, std::uint32_t f) const {
+    const auto &a = section_.edges[e], &b = section_.edges[f];
+    return std::minmax(a.left, a.right) == std::minmax(b.left, b.right);
+  }
+
+  [[nodiscard]] std::vector<Meeting> meetings() const {
+    std::vector<Meeting> meetings(section_.points.size());
+    const auto note = [](std::uint32_t e, std::array<std::uint32_t, 2>& edges, std::uint32_t& count) {
+      if (count < edges.size()) edges[count] = e;
+      ++count;
+    };
+    for (std::uint32_t e = 0; e < section_.edges.size(); ++e) {
+      for (const std::uint32_t point : {section_.edges[e].a, section_.edges[e].b}) {
+        Meeting& m = meetings[point];
+        if (m.comers + m.goers > 0) m.two_labels &= same_labels(e, m.comers > 0 ? m.coming[0] : m.going[0]);
+        point == end(e) ? note(e, m.coming, m.comers) : note(e, m.going, m.goers);
+      }
+    }
+    return meetings;
+  }
+
+  /// Of two ways through a point the straighter one.
+  void join(const Meeting& m) {
+    const auto straight = [&](std::uint32_t from, std::uint32_t to) {
+      return way(m.coming[from]).stableNormalized().dot(way(m.going[to]).stableNormalized());
+    };
+    const bool crossed = m.comers == 2 && straight(0, 1) + straight(1, 0) > straight(0, 0) + straight(1, 1);
+    for (std::uint32_t i = 0; i < m.comers; ++i) {
+      const std::uint32_t next = m.going[crossed ? 1 - i : i];
+      next_[m.coming[i]] = next;
+      has_previous_[next] = true;
+    }
   }
 
   void add_place(std::uint32_t point, double along_mm) {
@@ -53,12 +97,12 @@ class ArcBuilder {
     for (std::uint32_t e = first_edge;;) {
       arcs_.place_of_edge[e] = static_cast<std::uint32_t>(arcs_.point.size());
       add_place(start(e), arc.length_mm);
-      arc.length_mm += (section_.points[end(e)] - section_.points[start(e)]).norm();
-      if (meeting_[end(e)] != 2) {
+      arc.length_mm += way(e).norm();
+      if (next_[e] == kNone) {
         add_place(end(e), arc.length_mm);
         break;
       }
-      e = leaving_[end(e)];
+      e = next_[e];
       if (e != first_edge) continue;
       arc.closed = true;
       break;
@@ -68,8 +112,8 @@ class ArcBuilder {
   }
 
   const Section& section_;
-  std::vector<std::uint32_t> meeting_;  ///< [#points] edges that end there
-  std::vector<std::uint32_t> leaving_;  ///< [#points] one of the edges that start there
+  std::vector<std::uint32_t> next_;  ///< [#edges] in the same arc; kNone where it ends
+  std::vector<bool> has_previous_;   ///< [#edges]
   Arcs arcs_;
 };
 

@@ -6,8 +6,9 @@
 
 namespace sonoloft {
 
-/// A longest chain of edges with the same two labels, through points where two edges meet: a closed loop, or from one
-/// junction to another (or the same). Its direction is that with the greater label on the left.
+/// A longest chain of edges with the same two labels: a closed loop, or from one junction to another (or the same).
+/// Where a border crosses or touches itself, as rough ones do, arcs go on straight. Its direction is that with the
+/// greater label on the left.
 struct Arc {
   Label left, right;
   std::uint32_t first, count;  ///< places
@@ -22,7 +23,7 @@ struct Arc {
   [[nodiscard]] bool has_edge(std::uint32_t place) const { return closed || place + 1 < end(); }
 };
 
-/// All arcs of a section. A place is a point of an arc; where arcs meet, the point has a place in each.
+/// All arcs of a section. A place is a point of an arc; where arcs meet, or one itself, the point has several.
 struct Arcs {
   std::vector<Arc> arcs;
   std::vector<std::uint32_t> arc;            ///< [#places]

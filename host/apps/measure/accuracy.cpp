@@ -60,7 +60,12 @@ std::vector<std::pair<std::string, double>> figures_of(const Accuracy& a) {
           {"turn_deg", a.passage.turn_deg},
           {"truth_turn_deg", a.passage.truth_turn_deg},
           {"crease_deg", a.passage.crease_deg},
-          {"lean_deg", a.passage.lean_deg}};
+          {"lean_deg", a.passage.lean_deg},
+          {"turn_quarter_deg", a.passage.turn_quartiles_deg[0]},
+          {"turn_median_deg", a.passage.turn_quartiles_deg[1]},
+          {"turn_three_quarters_deg", a.passage.turn_quartiles_deg[2]},
+          {"along_deg", a.passage.along_deg},
+          {"truth_along_deg", a.passage.truth_along_deg}};
 }
 
 }  // namespace sonoloft

@@ -37,12 +37,13 @@ class Stretches {
         for (; next < along.norm(); next += band_mm) {
           const Eigen::Vector2d p = a + next / along.norm() * along;
           const Eigen::Vector3d in_space = slice.image_to_reference * Eigen::Vector3d(p.x(), p.y(), 0);
-          if (!clear_of_others(in_space, own, planes, kClearBands * band_mm)) continue;
-          squares_[square(p)].push_back(middles_.size());
+          if (clear_of_others(in_space, own, planes, kClearBands * band_mm))
+            squares_[square(p)].push_back(middles_.size());
           middles_.push_back(p);
         }
         next -= along.norm();
       }
+      middles_.emplace_back();  // no stretch: parts the numbers of two contours
     }
   }
 
@@ -97,6 +98,26 @@ double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
 }
 
+double mean_along_deg(const SliceNormals& normals) {
+  double sum = 0, count = 0;
+  for (const auto& [place, sides] : normals) {
+    auto following = place;
+    ++std::get<1>(following);
+    const auto next = normals.find(following);
+    if (next == normals.end()) continue;
+    sum += angle_deg(sides[0] + sides[1], next->second[0] + next->second[1]);
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+/// @pre there is a value
+std::array<double, 3> quartiles(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t last = values.size() - 1;
+  return {values[last / 4], values[last / 2], values[3 * last / 4]};
+}
+
 }  // namespace
 
 SliceNormals normals_at_slices(const IndexedMesh& mesh, std::span<const TrackedSlice> slices, double band_mm) {
@@ -128,19 +149,21 @@ SlicePassage compare_passage(const SliceNormals& mesh, const SliceNormals& truth
   constexpr double kDegrees = 180 / std::numbers::pi;
   const auto turn = [](const Sides& sides) { return Eigen::Vector3d(sides[1].normalized() - sides[0].normalized()); };
   SlicePassage sum;
-  double places = 0;
+  std::vector<double> turns;
   for (const auto& [place, sides] : mesh) {
     const auto found = truth.find(place);
     if (found == truth.end()) continue;
     const Sides& of_truth = found->second;
-    sum.turn_deg += angle_deg(sides[0], sides[1]);
+    turns.push_back(angle_deg(sides[0], sides[1]));
+    sum.turn_deg += turns.back();
     sum.truth_turn_deg += angle_deg(of_truth[0], of_truth[1]);
     sum.crease_deg += kDegrees * (turn(sides) - turn(of_truth)).norm();
     sum.lean_deg += angle_deg(sides[0] + sides[1], of_truth[0] + of_truth[1]);
-    ++places;
   }
-  if (places == 0) return {};
-  return {sum.turn_deg / places, sum.truth_turn_deg / places, sum.crease_deg / places, sum.lean_deg / places};
+  if (turns.empty()) return {};
+  const auto places = static_cast<double>(turns.size());
+  return {sum.turn_deg / places,       sum.truth_turn_deg / places, sum.crease_deg / places, sum.lean_deg / places,
+          quartiles(std::move(turns)), mean_along_deg(mesh),        mean_along_deg(truth)};
 }
 
 }  // namespace sonoloft

@@ -13,6 +13,7 @@
 namespace sonoloft {
 
 /// A stretch of a contour, one band long: which slice, which stretch of it, which two labels the surface parts there.
+/// Stretches that follow each other on a contour have numbers that do.
 using ContourPlace = std::tuple<std::size_t, std::size_t, Label, Label>;
 
 /// The area of a surface within one band below [0] and above [1] a slice, times its normal, which points to the smaller
@@ -32,6 +33,10 @@ struct SlicePassage {
   double truth_turn_deg = 0;  ///< the same of the truth
   double crease_deg = 0;  ///< length of the difference of both turns: that of the unit normals above less those below
   double lean_deg = 0;    ///< angle between the mesh's and the truth's normal, both sides together
+  std::array<double, 3> turn_quartiles_deg{};  ///< of what turn_deg is the mean of
+  /// Angle between the normals of stretches that follow each other, both sides together: how far the surface turns over
+  /// as long a way along the slice. Of all places, whether the other has them or not.
+  double along_deg = 0, truth_along_deg = 0;
 };
 [[nodiscard]] SlicePassage compare_passage(const SliceNormals& mesh, const SliceNormals& truth);
 

@@ -41,15 +41,16 @@ nlohmann::json json(const Accuracy& a) {
 }
 
 std::string words(const Accuracy& a) {
-  char text[300];
+  char text[400];
+  const auto& quartiles = a.passage.turn_quartiles_deg;
   std::snprintf(
       text, sizeof text,
       "IoU %.4f  wrong %.4f  mean %.3f %%  max %5.2f %%  pieces %zu (%zu large) of %zu (%zu)  genus %ld of %ld  "
-      "crease %4.1f (turn %.1f, truth %.1f)  lean %4.1f",
+      "crease %4.1f (turn %.1f, quartiles %.1f %.1f %.1f, truth %.1f; along %.1f, truth %.1f)  lean %4.1f",
       a.agreement.mean_iou(), a.agreement.mislabelled, 100 * a.distance.mean_mm / a.diagonal_mm,
       100 * a.distance.max_mm / a.diagonal_mm, a.pieces.all, a.pieces.large, a.truth_pieces.all, a.truth_pieces.large,
-      a.pieces.genus, a.truth_pieces.genus, a.passage.crease_deg, a.passage.turn_deg, a.passage.truth_turn_deg,
-      a.passage.lean_deg);
+      a.pieces.genus, a.truth_pieces.genus, a.passage.crease_deg, a.passage.turn_deg, quartiles[0], quartiles[1],
+      quartiles[2], a.passage.truth_turn_deg, a.passage.along_deg, a.passage.truth_along_deg, a.passage.lean_deg);
   return text;
 }
 

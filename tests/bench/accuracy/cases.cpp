@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "core/io/meshes/mesh_files.h"
+#include "core/io/volumes/volume_files.h"
 #include "device_sim/probe/phantoms/mesh_phantom.h"
+#include "device_sim/probe/phantoms/volume_phantom.h"
 #include "tests/bench/support/reconstruction.h"
 #include "tests/support/bodies/bodies.h"
 #include "tests/support/bodies/cut.h"
@@ -46,10 +48,13 @@ std::vector<TrackedSlice> sliced(const NamedCase& c, const device_sim::SectionSo
   return test::cut(body, test::make_planes(kind->set, c.count, surface.positions, c.seed));
 }
 
-std::optional<Case> mesh(const NamedCase& c) {
+std::filesystem::path data_folder() {
   const char* variable = std::getenv("SONOLOFT_DATA");
-  const auto file = present(std::filesystem::path(variable ? variable : "build/data") / (c.set + ".off"),
-                            ": unpack the meshes of Debian's libcgal-demo there");
+  return variable ? variable : "build/data";
+}
+
+std::optional<Case> mesh(const NamedCase& c) {
+  const auto file = present(data_folder() / (c.set + ".off"), ": unpack the meshes of Debian's libcgal-demo there");
   if (!file) return std::nullopt;
   IndexedMesh truth = or_exit(read_mesh(*file));
   std::vector<Eigen::Vector3d> positions;
@@ -68,6 +73,23 @@ std::optional<Case> body(const NamedCase& c) {
   static std::map<std::string, IndexedMesh> surfaces;  // drawn once
   if (!surfaces.contains(c.set)) surfaces[c.set] = test::true_surface(*named->body);
   return Case{sliced(c, *named->body, surfaces[c.set]), surfaces[c.set], named->body};
+}
+
+/// The liver of the demo, with its vessels and its tumour.
+std::optional<Case> liver(const NamedCase& c) {
+  const auto file = present(data_folder() / "liver.inr.gz", ": unpack it from Debian's libcgal-demo there");
+  if (!file) return std::nullopt;
+  LabelVolume volume = or_exit(read_inr(*file));
+  const std::map<Label, Label> labels = {{255, 1}, {127, 2}, {85, 3}};  // the rest are stray voxels
+  for (Label& label : volume.labels) label = labels.contains(label) ? labels.at(label) : kOutside;
+  const auto& [x, y, z] = volume.dims;
+  auto made = device_sim::VolumePhantom::make(Eigen::Matrix<std::uint32_t, 3, 1>(x, y, z).cast<int>(),
+                                              volume.spacing_mm, volume.origin_mm, volume.labels);
+  if (!made.value) stop({ErrorCode::invalid_argument, file->string() + ": " + made.error});
+  const std::shared_ptr<const device_sim::Phantom> body = std::move(made.value);
+  IndexedMesh surface = test::true_surface(*body);
+  auto slices = sliced(c, *body, surface);
+  return Case{std::move(slices), std::move(surface), body};
 }
 
 double diagonal_mm(const Case& c) {
@@ -89,7 +111,10 @@ std::string NamedCase::name() const {
 }
 
 std::optional<Case> NamedCase::make() const {
-  std::optional<Case> c = group == "recorded" ? recorded(set) : group == "meshes" ? mesh(*this) : body(*this);
+  std::optional<Case> c = group == "recorded" ? recorded(set)
+                          : group == "meshes" ? mesh(*this)
+                          : group == "images" ? liver(*this)
+                                              : body(*this);
   if (c && noise > 0) c->slices = test::with_noise(std::move(c->slices), 0.01 * noise * diagonal_mm(*c), seed);
   return c;
 }
@@ -104,6 +129,7 @@ std::vector<NamedCase> all_cases() {
   for (const char* set : kSweptMeshes)
     for (const std::size_t count : {10u, 40u})
       for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) cases.push_back({"meshes", set, "random", count, 0, seed});
+  for (const char* planes : {"random", "freehand"}) cases.push_back({"images", "liver", planes, 20, 0, 1});
   for (const test::NamedBody& named : test::bodies_of_one_label())
     for (const test::NamedPlaneSet& planes : test::kPlaneSets)
       cases.push_back({"bodies", named.name, planes.name, 20, 0, 1});

@@ -19,7 +19,7 @@ struct Case {
 
 /// A case that can be made. The name is group/set/count planes seed/noise.
 struct NamedCase {
-  std::string group;  ///< recorded, meshes, bodies, junctions
+  std::string group;  ///< recorded, meshes, images, bodies, junctions
   std::string set;
   std::string planes;  ///< what kind
   std::size_t count;   ///< of planes; 0: as recorded
@@ -30,8 +30,8 @@ struct NamedCase {
   [[nodiscard]] std::optional<Case> make() const;
 };
 
-/// All there are: recorded stacks with their truth, Debian's meshes of libcgal-demo, bodies of one label by formulas,
-/// the body of three labels.
+/// All there are: recorded stacks with their truth, Debian's meshes and its liver of libcgal-demo, bodies of one
+/// label by formulas, the body of three labels.
 [[nodiscard]] std::vector<NamedCase> all_cases();
 
 }  // namespace sonoloft::bench

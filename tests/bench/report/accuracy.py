@@ -77,6 +77,20 @@ def one_each(records, noise):
     return pairs
 
 
+#: How meshes pass through their slices: heading, key
+PASSAGE = [("turn", "turn_deg"), ("lower quarter", "turn_quarter_deg"), ("median", "turn_median_deg"),
+           ("upper quarter", "turn_three_quarters_deg"), ("along", "along_deg")]
+
+
+def passages(pairs):
+    """A line for each set: how far its meshes and its truth turn across slices and along them."""
+    heads = ["set", "planes"] + [head for head, _ in PASSAGE] + ["truth: turn", "truth: along"]
+    rows = [[step["set"], f"{step['count']} {step['planes']}"] +
+            [f"{step[key]:.1f} → {smooth[key]:.1f}" for _, key in PASSAGE] +
+            [f"{smooth['truth_turn_deg']:.1f}", f"{smooth['truth_along_deg']:.1f}"] for step, smooth in pairs]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in [heads, ["---"] * len(heads)] + rows)
+
+
 def sections(records):
     for noise in (0, 0.5):
         pairs = one_each(records, noise)
@@ -94,6 +108,12 @@ def sections(records):
             values_of(records, key, group=group, **wanted)
         if values:
             yield f"**{what}**", means_over(records, group, key, values, **wanted)
+    images = by_field(records, group="images")
+    if images:
+        yield "**The demo's liver, three labels**", table_of(images)
+        yield "**Degrees that surfaces turn across slices, and along them over as long a way, noise 0 %**", \
+            passages(by_field(records, group="recorded", noise_percent=0) + images +
+                     by_field(records, group="meshes", noise_percent=0, count=20, seed=1))
     for noise in values_of(records, "noise_percent", group="junctions"):
         yield f"**The body of three labels, noise {noise:g} %**", \
             table_of(by_field(records, group="junctions", noise_percent=noise))

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -115,7 +116,24 @@ TEST_CASE("passage: a wall that is straight across a slice does not turn, a ridg
     CHECK(passage.crease_deg == doctest::Approx(degrees(2 * std::sin(angle * kPi / 180))).epsilon(0.01));
     CHECK(passage.truth_turn_deg < 1e-4);
     CHECK(passage.lean_deg < 0.5);
+    for (const double quartile : passage.turn_quartiles_deg)
+      CHECK(quartile == doctest::Approx(2 * angle).epsilon(0.01));
+    CHECK(passage.along_deg == doctest::Approx(degrees(2.0 / 20)).epsilon(0.02));  // of a circle, 2 mm apart
   }
+}
+
+TEST_CASE("passage: the last stretch of a contour and the first of another do not follow each other") {
+  const Vector3d up(0, 0, 1);
+  const std::array<Vector3d, 2> north{Vector3d::UnitY(), Vector3d::UnitY()}, east{Vector3d::UnitX(), Vector3d::UnitX()};
+  const SliceNormals normals{{{0, 0, 0, 1}, north}, {{0, 1, 0, 1}, north}, {{0, 3, 0, 1}, east}, {{1, 4, 0, 1}, north}};
+  CHECK(compare_passage(normals, normals).along_deg == 0);
+  TrackedSlice two = circle_at(0, 20);
+  for (int side = 0; side < kSides; ++side) two.points.push_back(two.points[static_cast<std::size_t>(side)]);
+  for (int side = 0; side < kSides; ++side) two.points[static_cast<std::size_t>(side)].x() += 100;
+  two.contours.push_back({kSides, kSides, 1, false});
+  const SliceNormals of_second = normals_at_slices(ridge(0), std::vector{two}, 2);
+  CHECK(of_second.size() == 63);
+  CHECK(std::get<1>(of_second.begin()->first) == 64);  // the first has 63 too
 }
 
 TEST_CASE("passage: a cone whose surface stands upright at the slice leans by its angle and has no crease") {

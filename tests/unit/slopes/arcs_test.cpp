@@ -44,6 +44,22 @@ TEST_CASE("slopes: a closed contour is one arc of all its edges") {
   CHECK(arcs.arcs[0].length_mm == doctest::Approx(2 * 30 * 10 * std::sin(std::numbers::pi / 30)));
 }
 
+TEST_CASE("slopes: an arc goes straight on where a border crosses itself, and ends where four labels meet") {
+  Section bow;
+  bow.points = {{0, 0}, {10, -5}, {10, 5}, {-10, 5}, {-10, -5}};
+  bow.edges = {{0, 1, 1, 0}, {1, 2, 1, 0}, {2, 0, 1, 0}, {0, 3, 1, 0}, {3, 4, 1, 0}, {0, 4, 0, 1}};
+  const Arcs arcs = arcs_of(bow);
+  REQUIRE(arcs.arcs.size() == 1);
+  CHECK(arcs.arcs[0].closed);
+  CHECK(arcs.point == std::vector<std::uint32_t>{0, 1, 2, 0, 3, 4});
+  for (std::uint32_t e = 0; e < bow.edges.size(); ++e) CHECK(arcs.place_of_edge[e] == e);
+
+  Section cross;
+  cross.points = {{0, 0}, {5, 0}, {0, 5}, {-5, 0}, {0, -5}};
+  cross.edges = {{0, 1, 1, 4}, {0, 2, 2, 1}, {0, 3, 3, 2}, {0, 4, 4, 3}};
+  CHECK(arcs_of(cross).arcs.size() == 4);
+}
+
 TEST_CASE("slopes: a circle has its curvature and normals, large or small, and a hole the opposite") {
   const Section section =
       test::section_of_discs(Eigen::Isometry3d::Identity(), {{{0, 0}, 30, 1}, {{100, 0}, 2, 1}}, 200);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/methods/equal_importance/equal_importance.h"
+#include "core/methods/medial_axis/medial_axis.h"
 #include "core/methods/metamorphosis/metamorphosis.h"
 
 namespace sonoloft {
@@ -19,7 +20,7 @@ std::string list(const Names& names) {
 }  // namespace
 
 std::span<const Method> methods() {
-  static const std::vector<Method> all{equal_importance_method(), metamorphosis_method()};
+  static const std::vector<Method> all{equal_importance_method(), medial_axis_method(), metamorphosis_method()};
   return all;
 }
 

@@ -81,7 +81,7 @@ void FrontArrival::march(const SweptParts& parts, std::uint32_t part) {
   }
 }
 
-std::vector<Arrival> FrontArrival::over(const SweptParts& parts, std::uint32_t number) {
+std::vector<NodeArrival> FrontArrival::over(const SweptParts& parts, std::uint32_t number) {
   const SweptPart& part = parts.parts[number];
   upwards_ = part.on_lower >= part.on_upper;
   for (const std::uint32_t node : part.nodes) {
@@ -91,7 +91,7 @@ std::vector<Arrival> FrontArrival::over(const SweptParts& parts, std::uint32_t n
     heap_.push_back({left_[node], node});
   }
   march(parts, number);
-  std::vector<Arrival> arrivals;
+  std::vector<NodeArrival> arrivals;
   arrivals.reserve(part.nodes.size());
   for (const std::uint32_t node : part.nodes) {
     const float left = std::max(left_[node], kLeast);

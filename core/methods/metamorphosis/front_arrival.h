@@ -6,7 +6,7 @@
 namespace sonoloft {
 
 /// When the front passes a node, as a share of its way, and how fast that share grows in the direction it runs.
-struct Arrival {
+struct NodeArrival {
   float way;     ///< 0 on the contour of the lower slice, 1 on that of the upper one
   float per_mm;  ///< > 0
 };
@@ -23,7 +23,7 @@ struct Arrival {
 class FrontArrival {
  public:
   FrontArrival(const PlaneGrid& grid, const SlicePair& slices);
-  [[nodiscard]] std::vector<Arrival> over(const SweptParts& parts, std::uint32_t part);
+  [[nodiscard]] std::vector<NodeArrival> over(const SweptParts& parts, std::uint32_t part);
 
  private:
   enum class State : std::uint8_t { far, trial, accepted };

@@ -49,7 +49,7 @@ class Sweeper {
     out_.nodes.push_back({node, course, start_mm, change_mm, {}});
   }
 
-  void sweep(const SweptPart& part, const std::vector<Arrival>& arrivals) {
+  void sweep(const SweptPart& part, const std::vector<NodeArrival>& arrivals) {
     for (std::size_t i = 0; i < part.nodes.size(); ++i) {
       const float change = (part.in_lower ? -1 : 1) / arrivals[i].per_mm;
       add(part.nodes[i], FrontNode::Course::between, -arrivals[i].way * change, change);

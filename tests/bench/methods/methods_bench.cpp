@@ -1,5 +1,6 @@
 // What one method makes of one set, the live one beside the others: how near to the truth and to the contours, whether
 // closed, how large and how late.  bench_methods <file.csl|pelvis> <depth> <method|live> [truth.stl]
+#include <algorithm>
 #include <sstream>
 
 #include "core/io/meshes/mesh_files.h"
@@ -39,7 +40,11 @@ Result<IndexedMesh> mesh_by(const std::string& name, std::span<const TrackedSlic
 void add_quality(nlohmann::json& figures, std::span<const TrackedSlice> slices, const IndexedMesh& mesh,
                  double spacing_mm) {
   const std::vector<double> distances = test::contour_distances(slices, mesh);
-  figures["closed"] = test::check_mesh(mesh).closed_manifold();
+  const test::MeshReport report = test::check_mesh(mesh);
+  figures["manifold"] = report.closed_manifold();
+  figures["closed"] = std::ranges::all_of(report.labels, [](const auto& label) {
+    return label.second.boundary_edges + label.second.misoriented_edges == 0;
+  });
   figures["contour_p95_cells"] = quantile(distances, 0.95) / spacing_mm;
   figures["contour_max_cells"] = quantile(distances, 1) / spacing_mm;
 }

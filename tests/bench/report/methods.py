@@ -1,7 +1,7 @@
 """The methods of docs/methods.md, the live one beside them: one table of how good they are and what they cost."""
 import pathlib
 
-METHODS = ("live", "metamorphosis", "equal-importance")
+METHODS = ("live", "metamorphosis", "equal-importance", "medial-axis")
 DEPTH = 8
 TRUTHS = {"eight_15": "eight_20_scaled", "eight_20": "eight_20_scaled", "hand_ok": "hand_ok_scaled"}
 PAGE = pathlib.Path("docs/methods.md")
@@ -29,8 +29,12 @@ def cells(record):
     if "refused" in record:
         return [record["set"], record["method"], "does not take it"] + [""] * 8
     return [record["set"], record["method"], number("iou", 4), number("mean_percent", 3), number("max_percent", 2),
-            number("contour_p95_cells", 3), number("contour_max_cells", 2), "yes" if record["closed"] else "NO",
+            number("contour_p95_cells", 3), number("contour_max_cells", 2), closed(record),
             str(record["triangles"]), f"{record['ms'] / 1000:.2f}", number("peak_memory_mib", 0)]
+
+
+def closed(record):
+    return "yes" if record["manifold"] else "pinched" if record["closed"] else "NO"
 
 
 def text(records):

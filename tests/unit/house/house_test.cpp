@@ -75,6 +75,7 @@ TEST_CASE("house: the rule checker objects to every kind of line that it is ther
   CHECK(complaint("core/io/slices/csl.cpp", quoted("protocol/record.h")));
   CHECK(complaint("core/mesh/mesh.h", quoted("tests/support/mesh/mesh_check.h")));
   CHECK(complaint("core/mesh/mesh.cpp", angled("CGAL/Epick.h")));
+  CHECK(complaint("core/methods/stack/slice_stack.cpp", angled("CGAL/Epick.h")));
   CHECK(complaint("core/reconstructor/reconstructor.cpp", quoted("core/offline/delaunay_mesher.h")));
   CHECK(complaint("core/reconstructor/reconstructor.cpp", quoted("core/methods/catalogue.h")));
   CHECK(complaint("core/field/field.cpp", angled("CL/opencl.hpp")));

@@ -49,7 +49,9 @@ struct Guest {
 
 const std::vector<Guest>& guests() {
   static const std::vector<Guest> all{
-      {{"CGAL/"}, {"core/cells/", "core/offline/", "tests/"}, "CGAL is named only in core/cells and core/offline"},
+      {{"CGAL/"},
+       {"core/cells/", "core/methods/medial_axis/", "core/offline/", "tests/"},
+       "CGAL is named only in core/cells, core/methods/medial_axis and core/offline"},
       {{"core/offline/"},
        {"core/offline/", "host/apps/", "tests/"},
        "core/offline is GPL: only the tool and the tests include it"},

@@ -1,0 +1,12 @@
+#pragma once
+#include "core/methods/medial_axis/fairing/joined_cells.h"
+
+namespace sonoloft::medial {
+
+/// Divides triangles until they are as dense everywhere as the contours, and turns edges between triangles of one pair
+/// of labels that are no creases until they are Delaunay. Contours stay as they are, and no new edge lies on a slice.
+/// @cost  O(#T log #T) a round
+/// Source: Liepa 2003, Filling holes in meshes, section 3, with the factor of Liu et al. 2008, section 5.
+void refine(JoinedCells& cells);
+
+}  // namespace sonoloft::medial

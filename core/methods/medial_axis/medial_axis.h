@@ -1,0 +1,44 @@
+#pragma once
+// slices of any direction -> [MEDIAL AXIS] -> surfaces
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/methods/method.h"
+
+namespace sonoloft {
+
+struct MedialAxisOptions {
+  bool fairing = true;  ///< between the slices smooth, else walls and flat sheets
+  int threads = 1;      ///< >= 1; the result does not depend on it
+};
+
+/// A closed surface network that runs through the contours exactly. Frame: reference, mm.
+struct ContourSurfaces {
+  std::vector<Eigen::Vector3d> positions;               ///< [#V] mm
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< [#T]
+  std::vector<Label> label_front;                       ///< [#T] the side the normal points to; 0 = outside
+  std::vector<Label> label_back;                        ///< [#T] never equal to label_front
+  std::size_t on_slices = 0;                            ///< vertices below this lie on slices, all others between them
+  std::vector<std::string> notes;                       ///< see MethodSurfaces
+};
+
+/// The planes of the slices cut space into convex cells; every point of a cell has the label of the nearest face of the
+/// cell at its foot there. Where two labels meet there is the surface: upright on the contours, and flat half-way
+/// between two faces, on the cell's medial axis. Every edge of a contour, cut where other slices cross it, is an edge
+/// of the surface, and nothing else of it lies on a slice but where two slices contradict each other on their common
+/// line. Planes in any direction, any number of labels. Everything is decided exactly, coordinates are rounded at the
+/// end.
+/// @post  every label is closed: no edge of its boundary has more triangles on one side than on the other
+/// @error those of make_section(); invalid_argument (unknown parts, planes that nearly coincide); empty_input;
+///        too_large; cell_limit
+/// @cost  0.03 to 0.2 ms a point of the contours; fairing the same again or some times that: it adds triangles
+/// Threads: any; nothing is shared.
+/// Source: Liu, Bajaj, Deasy, Low, Ju 2008, Surface reconstruction from non-parallel curve networks, section 4.
+[[nodiscard]] Result<ContourSurfaces> medial_axis(std::span<const TrackedSlice> slices,
+                                                  const MedialAxisOptions& options);
+
+/// The same by its name; option "fairing".
+[[nodiscard]] Method medial_axis_method();
+
+}  // namespace sonoloft

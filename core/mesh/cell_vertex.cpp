@@ -12,7 +12,7 @@ namespace {
 constexpr unsigned kAllCorners = 0xFF;
 constexpr float kEdgeMargin = 0.01F;
 constexpr float kCellMargin = 0.03F;
-constexpr float kRelaxation = 0.8F;
+constexpr float kRelaxation = 0.85F;
 constexpr float kLongestStep = 0.5F;
 /// Interfaces whose normals span less than this (squared sine) do not say where they meet.
 constexpr float kParallel = 1e-3F;

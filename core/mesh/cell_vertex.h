@@ -37,7 +37,7 @@ using Gaps = std::array<std::array<float, 8>, kMaxEquations>;  ///< [equation][c
 /// Mean of the crossings on the edges, then one Newton step.
 [[nodiscard]] CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations);
 
-/// Moves 0.8 of the way to `mean` (relative to the cell, in lattice steps), then one Newton step.
+/// Moves 0.85 of the way to `mean` (relative to the cell, in lattice steps), then one Newton step.
 [[nodiscard]] CellPoint relax_vertex(const CellPoint& vertex, const Eigen::Vector3f& mean, const float* gaps,
                                      int equations);
 

@@ -2,11 +2,13 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
 #include "core/field/field_evaluator.h"
 #include "tests/support/field/field_cells.h"
+#include "tests/support/field/long_contours.h"
 
 using namespace sonoloft;
 using test::FieldCell;
@@ -171,4 +173,24 @@ TEST_CASE("field: a batch can be evaluated again with more points, other points,
   CHECK(batch.add_points(index, {points.data(), 1}) == 0);
   REQUIRE(evaluator->evaluate(batch));
   CHECK(batch.row(0, 0)[0] == doctest::Approx(2.0 / 6).epsilon(1e-6));
+}
+
+TEST_CASE("packed cells: the edges of a contour are one chain, in whatever order they come") {
+  const FieldCell cell = test::wavy_cell(20);
+  std::vector<FacePolygon> shuffled;
+  for (const test::Wall& wall : cell.walls()) shuffled.push_back(wall.polygon);
+  test::Random random(3);
+  for (FacePolygon& polygon : shuffled) std::shuffle(polygon.begin(), polygon.end(), random);
+  std::vector<CellFace> faces = cell.faces();
+  for (std::size_t i = 0; i < faces.size(); ++i) faces[i].polygon = &shuffled[i];
+  PackedCells cells;
+  cells.add(faces, cell.centre(), {}, cell.bends());
+  std::size_t contours = 0;
+  for (const kernels::PackedFace& face : cells.faces()) {
+    if (face.bent_count == 0) continue;
+    ++contours;
+    CHECK(face.bent_count == 1);
+    CHECK(cells.runs()[face.first_run + face.rigid_count].count == 20);
+  }
+  CHECK(contours == 2);
 }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/mesh/mesh.h"
 #include "core/slice/result.h"
@@ -33,6 +34,7 @@ class MeshBuilder {
 
   std::uint32_t position_count() const { return static_cast<std::uint32_t>(mesh_.positions.size()); }
 
+  /// Positions that no triangle uses are left out; the others keep their order.
   /// @error non_finite, parse_failed (a corner that is not there, equal or reserved labels)
   Result<IndexedMesh> finish(const std::string& name) && {
     for (const Eigen::Vector3f& p : mesh_.positions)
@@ -46,10 +48,24 @@ class MeshBuilder {
       if (mesh_.label_front[t] > kMaxLabel || mesh_.label_back[t] > kMaxLabel ||
           mesh_.label_front[t] == mesh_.label_back[t])
         return fail(ErrorCode::parse_failed, name + ": a face does not lie between two labels: the file is damaged");
+    leave_out_unused();
     return std::move(mesh_);
   }
 
  private:
+  void leave_out_unused() {
+    std::vector<std::uint32_t> renumbered(mesh_.positions.size(), kUnused);
+    for (const auto& triangle : mesh_.triangles)
+      for (const std::uint32_t corner : triangle) renumbered[corner] = 0;
+    std::uint32_t count = 0;
+    for (std::uint32_t v = 0; v < renumbered.size(); ++v)
+      if (renumbered[v] != kUnused) mesh_.positions[renumbered[v] = count++] = mesh_.positions[v];
+    mesh_.positions.resize(count);
+    for (auto& triangle : mesh_.triangles)
+      for (std::uint32_t& corner : triangle) corner = renumbered[corner];
+  }
+
+  static constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
   IndexedMesh mesh_;
   Label front_ = kOutside, back_ = 1;
 };

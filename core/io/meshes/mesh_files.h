@@ -28,8 +28,9 @@ struct VertexProperties {
 [[nodiscard]] Result<void> write_ply(const IndexedMesh& mesh, const std::filesystem::path& path,
                                      const LabelTable& labels = {}, const VertexProperties& properties = {});
 
-/// Wavefront OBJ, one group `front_F_back_B` for each pair of labels, with all digits of the floats; and beside it,
-/// with the ending .mtl, a material for every label, by its name with `_` for blanks.
+/// Wavefront OBJ, one group `front_F_back_B` for each pair of labels, with all digits of the floats; its first
+/// position stands there twice. Beside it, with the ending .mtl, a material for every label, by its name with `_` for
+/// blanks.
 [[nodiscard]] Result<void> write_obj(const IndexedMesh& mesh, const std::filesystem::path& path,
                                      const LabelTable& labels = {});
 
@@ -43,7 +44,8 @@ struct VertexProperties {
                                      const LabelTable& labels = {});
 
 /// Reads a mesh by the file's ending: .ply (ascii, binary of either byte order), .stl (ascii, binary), .obj, .off.
-/// Polygons are cut into fans, triangles that use a vertex twice are dropped, equal positions of an STL are joined.
+/// Polygons are cut into fans, triangles that use a vertex twice are dropped, equal positions of an STL are joined,
+/// positions of no triangle are left out.
 /// Labels are those that write_ply and write_obj wrote, else front 0, back 1.
 /// @error file_not_found, io_failed, unsupported_format, parse_failed (with the line in text), non_finite, too_large
 /// @cost  O(bytes); allocates nothing on the word of a declared count

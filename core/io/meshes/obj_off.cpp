@@ -75,6 +75,15 @@ void append_number(std::string& out, float value) {
   out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
 }
 
+void append_vertex(std::string& out, const Eigen::Vector3f& p) {
+  out += 'v';
+  for (const float c : {p.x(), p.y(), p.z()}) {
+    out += ' ';
+    append_number(out, c);
+  }
+  out += '\n';
+}
+
 /// What the labels' materials are called: by the labels' names, and their numbers where two have one name.
 std::map<Label, std::string> material_names(const IndexedMesh& mesh, const LabelTable& labels) {
   std::map<Label, std::string> names;
@@ -158,14 +167,9 @@ Result<void> write_obj(const IndexedMesh& mesh, const std::filesystem::path& pat
   const auto materials = material_names(mesh, labels);
   const std::filesystem::path material_path = std::filesystem::path(path).replace_extension(".mtl");
   std::string out = "# SonoLoft; millimetres\n# SPACE=LPS\nmtllib " + material_path.filename().string() + '\n';
-  for (const Eigen::Vector3f& p : mesh.positions) {
-    out += 'v';
-    for (const float c : {p.x(), p.y(), p.z()}) {
-      out += ' ';
-      append_number(out, c);
-    }
-    out += '\n';
-  }
+  // MeshLab 2020.09 loses every triangle that uses the first vertex, then aborts: so no triangle uses it.
+  if (!mesh.positions.empty()) append_vertex(out, mesh.positions.front());
+  for (const Eigen::Vector3f& p : mesh.positions) append_vertex(out, p);
   std::map<std::pair<Label, Label>, std::vector<std::size_t>> groups;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     groups[{mesh.label_front[t], mesh.label_back[t]}].push_back(t);
@@ -175,7 +179,7 @@ Result<void> write_obj(const IndexedMesh& mesh, const std::filesystem::path& pat
            materials.at(shown_label(front, back)) + '\n';
     for (const std::size_t t : triangles) {
       out += 'f';
-      for (const std::uint32_t corner : mesh.triangles[t]) out += ' ' + std::to_string(std::uint64_t{corner} + 1);
+      for (const std::uint32_t corner : mesh.triangles[t]) out += ' ' + std::to_string(std::uint64_t{corner} + 2);
       out += '\n';
     }
   }

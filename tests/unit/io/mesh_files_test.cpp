@@ -138,7 +138,18 @@ TEST_CASE("mesh files: an OBJ comes back with every bit of its positions and the
   const IndexedMesh back = read(folder.path("m.obj"));
   CHECK(back.positions == mesh.positions);
   CHECK(as_set(back, true) == as_set(mesh, true));
-  CHECK(bytes_of(folder.path("m.obj")).find("# SPACE=LPS\n") != std::string::npos);
+  const std::string text = bytes_of(folder.path("m.obj"));
+  CHECK(text.find("# SPACE=LPS\n") != std::string::npos);
+  CHECK(text.find("\nf 1 ") == std::string::npos);  // see docs/meshes.md
+  CHECK(text.find("\nf 2 ") != std::string::npos);
+}
+
+TEST_CASE("mesh files: positions that no triangle uses are left out, the others keep their order") {
+  const TemporaryFolder folder;
+  const IndexedMesh mesh =
+      read(folder.write("m.obj", "v 9 9 9\nv 0 0 0\nv 8 8 8\nv 1 0 0\nv 0 1 0\nv 7 7 7\nf 2 4 5\n"));
+  CHECK(mesh.positions == std::vector<Eigen::Vector3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  CHECK(mesh.triangles == std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}});
 }
 
 TEST_CASE("mesh files: PLY and OBJ say what the labels are called and how they look") {

@@ -13,9 +13,12 @@
 #include <numbers>
 #include <thread>
 
+#include "host/record/recording_transport.h"
+#include "host/record/replay/replay_transport.h"
 #include "tests/integration/view/browser.h"
 #include "tests/integration/view/scene_client.h"
 #include "tests/integration/view/view_support.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace sonoloft;
 using namespace sonoloft::test;
@@ -25,6 +28,45 @@ namespace {
 
 void wait_for_viewers(const view::ViewServer& server, std::size_t count, const std::future<int>& browser) {
   while (server.figures().viewers < count && !done(browser)) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+}
+
+/// Records a scan of the ball.
+void record_ball(const fs::path& file, std::uint32_t slices, double rate_hz) {
+  device_sim::LoopbackOptions options = ball_device_options();
+  options.rate_hz = rate_hz;
+  device_sim::LoopbackDevice device(options, ball_source(slices));
+  auto recorder = record::Recorder::create(file);
+  REQUIRE(recorder);
+  const auto scan = ScanSession::open(std::make_unique<record::RecordingTransport>(
+                                          std::make_unique<device::LoopbackTransport>(device.port()), *recorder),
+                                      ball_scan_options());
+  REQUIRE(scan);
+  ScanInbox inbox;
+  REQUIRE((*scan)->start(inbox.callbacks()));
+  REQUIRE(inbox.wait_for(ScanEventKind::end_of_data));
+  (*scan)->stop();
+  REQUIRE((*recorder)->close());
+}
+
+/// Replays a recording as fast as it was made. @return how many meshes the server was shown
+std::size_t show_replay(const fs::path& file, view::ViewServer& server) {
+  auto replay = record::ReplayTransport::open(file, 1);
+  REQUIRE(replay);
+  const auto scan = ScanSession::open(std::move(*replay), ball_scan_options());
+  REQUIRE(scan);
+  ScanInbox inbox;
+  ScanCallbacks callbacks = inbox.callbacks();
+  callbacks.on_mesh = [&server, keep = callbacks.on_mesh](std::shared_ptr<const MeshUpdate> update) {
+    server.show(update);
+    keep(std::move(update));
+  };
+  callbacks.on_slice = [&server](std::shared_ptr<const device::DeliveredSlice> slice) {
+    server.show(std::move(slice));
+  };
+  REQUIRE((*scan)->start(callbacks));
+  REQUIRE(inbox.wait_for(ScanEventKind::end_of_data));
+  (*scan)->stop();
+  return inbox.updates().size();
 }
 
 void check_in_step(const nlohmann::json& counts) {
@@ -125,28 +167,27 @@ TEST_CASE("view: the page follows a scan, late pages catch up, keys do what they
   for (const auto& control : report["names"]) CHECK(!control.get<std::string>().ends_with(' '));
 }
 
-TEST_CASE("view: a frozen page and a viewer that never reads cost the others nothing, and no memory grows") {
+TEST_CASE(
+    "view: in a looped replay a frozen page and a viewer that never reads cost the others nothing, and no memory "
+    "grows") {
   if (!browser_is_there()) return;
   const auto server = open_server();
   if (!server) return;
   const char* wanted = std::getenv("SONOLOFT_VIEW_SECONDS");
   const int seconds = wanted == nullptr ? 8 : std::atoi(wanted);
-  const auto updates = ball_updates(48);
+  const TemporaryFolder folder;
+  record_ball(folder.path("ball.mcap"), 48, 40);
   SceneClient silent(port_of(*server));
   silent.say("next");  // and reads no answer
   auto browser = drive(server->url(), "loop", seconds);
   std::vector<double> resident;
-  std::uint64_t rounds = 0;
-  for (; !done(browser); ++rounds) {
-    for (const auto& update : updates) {
-      for (const SliceReport& report : update->slices) server->show(report.slice);
-      server->show(update);
-      std::this_thread::sleep_for(std::chrono::milliseconds(25));
-    }
+  std::size_t meshes = 0;
+  while (!done(browser)) {
+    meshes += show_replay(folder.path("ball.mcap"), *server);
     resident.push_back(resident_mib());
   }
-  MESSAGE((rounds * updates.size()) << " meshes shown; server, MiB: " << resident[resident.size() / 4] << " -> "
-                                    << resident.back());
+  MESSAGE(resident.size() << " replays, " << meshes << " meshes shown; server, MiB: " << resident[resident.size() / 4]
+                          << " -> " << resident.back());
   REQUIRE(browser.get() == 0);
   const nlohmann::json report = report_of("loop");
   const view::ViewFigures figures = server->figures();

@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/mesh/complex_cell.h"
-#include "core/mesh/edge_quad.h"
+#include "core/mesh/drawing/complex_cell.h"
+#include "core/mesh/drawing/edge_quad.h"
 #include "core/slice/parallel.h"
 #include "core/slice/scratch_pool.h"
 

@@ -19,6 +19,8 @@ inline constexpr int kBrickSize = 8;
 inline constexpr int kBrickSamples = kBrickSize * kBrickSize * kBrickSize;
 /// The label of a lattice point that was not sampled (far from every surface).
 inline constexpr Label kNotSampled = 0xFFFE;
+/// Lattice steps from the nearest slice beyond which nothing depends on them.
+inline constexpr float kFarFromSlices = 2;
 
 struct BrickCoord {
   std::int32_t x, y, z;
@@ -45,8 +47,10 @@ struct Brick {
   std::vector<Label> palette;              ///< [#P] ascending: labels that occur with a share in this brick
   std::vector<float> share;                ///< [#P][kBrickSamples] share of a label, 0..1 up to rounding; labels not in
                                            ///< the palette have share 0; meaningless where label is kNotSampled
-  std::vector<float> unmeasured;  ///< [kBrickSamples] share of a sample, before smoothing, that no slice gave but
-                                  ///< the background; empty: slices gave all
+  std::vector<float> unmeasured;   ///< [kBrickSamples] share of a sample, before smoothing, that no slice gave but
+                                   ///< the background; empty: slices gave all
+  std::vector<float> slice_steps;  ///< [kBrickSamples] lattice steps from the nearest slice that bounds the sample's
+                                   ///< convex cell, at most kFarFromSlices; empty: all of them that
 };
 
 /// A piece of the contours of the slices within the cells of one brick: a straight border between two labels.

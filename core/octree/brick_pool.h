@@ -46,6 +46,7 @@ struct WorkBrick {
   std::array<OctantMask, 6> mixed_faces{};  ///< [face] see mixed_faces()
   SampleMask sampled;
   SampleMask pinned;                       ///< within a finest cell of a slice: smoothing leaves it alone
+  SampleMask slices_moved;                 ///< whose distance from the slices changed since they were smoothed
   std::vector<SamplesInCell> in_cells;     ///< none empty
   std::array<Label, kBrickSamples> label;  ///< as sampled; kNotSampled
   ShareTable shares;                       ///< as sampled; 0 where not

@@ -138,19 +138,33 @@ Result<void> Sampler::evaluate(const BrickPool& bricks, const std::vector<Sample
   return evaluator_.evaluate(batch_);
 }
 
-/// Marks the samples within one spacing of a slice that bounds their cell.
+/// Measures how far samples are from the slices that bound their cell, and marks those within one spacing.
 void Sampler::pin(WorkBrick& brick, const Group& group) const {
   const Eigen::Vector3d lowest = position_mm(brick.coord, 0);
   const Eigen::Vector3d centre = lowest + Eigen::Vector3d::Constant(0.5 * spacing_mm_ * (kBrickSize - 1));
   const Range range = pins_of_packed_[group.packed];
+  std::vector<float>& before = brick.smooth.slice_steps;
+  std::array<float, kBrickSamples> steps;
+  for (const std::uint16_t k : samples_of(group)) steps[k] = kFarFromSlices;
+  bool any_near = !before.empty();
   for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
     const PinPlane& plane = pins_[i];
     const double reach = 0.5 * spacing_mm_ * (kBrickSize - 1) * plane.normal.lpNorm<1>();
-    if (std::abs(plane.normal.dot(centre) + plane.offset_mm) > reach + 1.001 * spacing_mm_) continue;
-    const double at_lowest = plane.normal.dot(lowest) + plane.offset_mm;
-    const Eigen::Vector3d step = spacing_mm_ * plane.normal;
-    for (const std::uint16_t k : samples_of(group))
-      if (std::abs(at_lowest + step.dot(Eigen::Vector3d(k & 7, k >> 3 & 7, k >> 6))) < spacing_mm_) brick.pinned.set(k);
+    if (std::abs(plane.normal.dot(centre) + plane.offset_mm) > reach + 1.001 * kFarFromSlices * spacing_mm_) continue;
+    any_near = true;
+    const double at_lowest = (plane.normal.dot(lowest) + plane.offset_mm) / spacing_mm_;
+    for (const std::uint16_t k : samples_of(group)) {
+      const double away = at_lowest + plane.normal.dot(Eigen::Vector3d(k & 7, k >> 3 & 7, k >> 6));
+      steps[k] = std::min(steps[k], static_cast<float>(std::abs(away)));
+    }
+  }
+  if (!any_near) return;
+  before.resize(kBrickSamples, kFarFromSlices);
+  for (const std::uint16_t k : samples_of(group)) {
+    if (steps[k] < 1) brick.pinned.set(k);
+    if (steps[k] == before[k]) continue;
+    before[k] = steps[k];
+    brick.slices_moved.set(k);
   }
 }
 

@@ -202,10 +202,12 @@ SampleMask Smoother::smooth(const BrickPool& bricks, WorkBrick& brick) {
   }
   name_labels(brick.sampled, result_);
   if (movable.any()) keep_labels(brick, movable - inner());
-  const SampleMask changed = difference(result_, brick.smooth);
+  const SampleMask changed = difference(result_, brick.smooth) | (brick.slices_moved & brick.sampled);
+  brick.slices_moved = {};
   if (!changed.any()) return changed;
   std::swap(result_, brick.smooth);
-  std::swap(result_.unmeasured, brick.smooth.unmeasured);  // stays with the brick
+  std::swap(result_.unmeasured, brick.smooth.unmeasured);  // stay with the brick
+  std::swap(result_.slice_steps, brick.smooth.slice_steps);
   return changed;
 }
 

@@ -167,9 +167,7 @@ TEST_CASE("view: the page follows a scan, late pages catch up, keys do what they
   for (const auto& control : report["names"]) CHECK(!control.get<std::string>().ends_with(' '));
 }
 
-TEST_CASE(
-    "view: in a looped replay a frozen page and a viewer that never reads cost the others nothing, and no memory "
-    "grows") {
+TEST_CASE("view: in a looped replay frozen and silent viewers cost the others nothing, and no memory grows") {
   if (!browser_is_there()) return;
   const auto server = open_server();
   if (!server) return;

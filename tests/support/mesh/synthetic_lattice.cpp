@@ -93,7 +93,7 @@ SyntheticLattice::Bricks SyntheticLattice::sample() const {
 }
 
 Brick SyntheticLattice::make_brick(BrickCoord coord, const std::vector<Eigen::Vector3i>& points) const {
-  Brick brick{coord, {}, {}, {}, {}};
+  Brick brick{coord, {}, {}, {}, {}, {}};
   brick.label.fill(kNotSampled);
   for (const auto& p : points) brick.label[sample_of(p)] = label_[index(p)];
   for (std::size_t label = 0; label < static_cast<std::size_t>(labels_); ++label) {

@@ -65,7 +65,7 @@ TEST_CASE("mesh: of two contours in a cell the nearer one has the vertex") {
   CHECK(same >= 7);  // where the two cross the same side of a cell, the pieces in it may differ
 }
 
-TEST_CASE("mesh: a corner of a contour has the vertex of its cell, whatever is nearer") {
+TEST_CASE("mesh: a corner of a contour that the mesh would cut off has the vertex of its cell, whatever is nearer") {
   ContourPiece to_corner = kPiece, from_corner{kPiece.b, {6.7F, 1.1F, 3.4F}, 0, 1, SliceId{0}, true, false};
   to_corner.b_is_end = true;
   const auto at_corner = [](const std::vector<Eigen::Vector3f>& points) {
@@ -76,6 +76,21 @@ TEST_CASE("mesh: a corner of a contour has the vertex of its cell, whatever is n
   CHECK(at_corner(vertices({to_corner, from_corner})) == 1);
   CHECK(at_corner(vertices({from_corner})) == 1);
   CHECK(at_corner(vertices({kPiece, no_end})) == 0);
+}
+
+TEST_CASE("mesh: a corner of a contour that the mesh hardly cuts off leaves the vertex where the cells are even") {
+  const Eigen::Vector3f corner(2.9F, 2.6F, 3.55F);
+  const ContourPiece to{{1.2F, 2.5F, 3.5F}, corner, 0, 1, SliceId{0}, false, true};
+  const ContourPiece from{corner, {5.2F, 2.5F, 3.5F}, 0, 1, SliceId{0}, true, false};
+  std::vector<float> along;
+  for (const Eigen::Vector3f& p : vertices({to, from})) {
+    if (std::abs(p.y() - 2.5F) > 0.2F || p.x() < 2 || p.x() > 5) continue;
+    along.push_back(p.x());
+    CHECK(p.z() > 3.5F);  // on the contour, which is above the samples' surface
+  }
+  std::ranges::sort(along);
+  REQUIRE(along.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(std::abs(along[i] - (2.5F + static_cast<float>(i))) < 0.02F);
 }
 
 TEST_CASE("mesh: of the corners of contours in a cell the one has the vertex that the mesh would cut off most") {

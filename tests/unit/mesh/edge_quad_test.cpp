@@ -1,4 +1,4 @@
-#include "core/mesh/edge_quad.h"
+#include "core/mesh/drawing/edge_quad.h"
 
 #include <doctest/doctest.h>
 

@@ -38,7 +38,7 @@ class HandLattice final : public SampleLattice {
 
 /// All outside but for one point; `share` is that of every label everywhere.
 Brick one_point_brick(float share) {
-  Brick brick{{0, 0, 0}, {}, {0, 1}, std::vector<float>(2 * kBrickSamples, share), {}};
+  Brick brick{{0, 0, 0}, {}, {0, 1}, std::vector<float>(2 * kBrickSamples, share), {}, {}};
   brick.label.fill(kOutside);
   brick.label[sample_index(4, 4, 4)] = 1;
   return brick;

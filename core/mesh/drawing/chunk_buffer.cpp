@@ -1,4 +1,4 @@
-#include "core/mesh/chunk_buffer.h"
+#include "core/mesh/drawing/chunk_buffer.h"
 
 #include <cstring>
 

@@ -2,7 +2,7 @@
 #include <array>
 #include <cstdint>
 
-#include "core/mesh/sample_block.h"
+#include "core/mesh/vertices/sample_block.h"
 
 namespace sonoloft {
 
@@ -19,10 +19,12 @@ namespace sonoloft {
 
 /// Where the labels of two corners that differ are equally strong on the line between them: 0 at `lower`, 1 at `upper`,
 /// kept 0.01 inside, since no two simplices may share a node; the middle where the samples do not say. Depends on the
-/// samples of these two corners alone, so that every cell with this line finds the same bits.
+/// samples of these two corners alone, so that every cell with this line finds the same bits. Exact beside a slice that
+/// the border crosses in a straight line, at whatever angle (docs/pipeline/6-mesh.md).
 [[nodiscard]] float crossing(const CellSamples& cell, unsigned lower, unsigned upper);
 
-/// A vertex is moved towards the places where all gaps f_0 - f_k are zero, k = 1..equations, at most 2.
+/// A vertex is moved towards the places where all gaps are zero, at most 2: f_0 - f_k, k = 1..equations, each as a
+/// function that is linear near slices too.
 inline constexpr int kMaxEquations = 2;
 using Gaps = std::array<std::array<float, 8>, kMaxEquations>;  ///< [equation][corner]
 
@@ -40,5 +42,8 @@ using Gaps = std::array<std::array<float, 8>, kMaxEquations>;  ///< [equation][c
 /// Moves 0.85 of the way to `mean` (relative to the cell, in lattice steps), then one Newton step.
 [[nodiscard]] CellPoint relax_vertex(const CellPoint& vertex, const Eigen::Vector3f& mean, const float* gaps,
                                      int equations);
+
+/// The direction in which the first gap grows at a vertex, of length 1; 0 where it grows nowhere.
+[[nodiscard]] Eigen::Vector3f normal_at(const CellPoint& vertex, const float* gaps);
 
 }  // namespace sonoloft

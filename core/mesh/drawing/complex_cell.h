@@ -1,6 +1,6 @@
 #pragma once
-#include "core/mesh/brick_net.h"
-#include "core/mesh/chunk_buffer.h"
+#include "core/mesh/drawing/chunk_buffer.h"
+#include "core/mesh/vertices/brick_net.h"
 
 namespace sonoloft {
 

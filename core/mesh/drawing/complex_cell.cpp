@@ -1,8 +1,8 @@
-#include "core/mesh/complex_cell.h"
+#include "core/mesh/drawing/complex_cell.h"
 
 #include <Eigen/Geometry>
 
-#include "core/mesh/cell_vertex.h"
+#include "core/mesh/vertices/cell_vertex.h"
 
 namespace sonoloft {
 namespace {

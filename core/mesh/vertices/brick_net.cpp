@@ -1,12 +1,11 @@
-#include "core/mesh/brick_net.h"
+#include "core/mesh/vertices/brick_net.h"
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
+#include <span>
 #include <utility>
 
-#include "core/mesh/cell_vertex.h"
-#include "core/octree/grid_walk.h"
+#include "core/mesh/vertices/cell_vertex.h"
 
 namespace sonoloft {
 namespace {
@@ -64,6 +63,7 @@ class CellReader {
     const auto count = static_cast<std::size_t>(cell_.label_count);
     samples.label_count = cell_.label_count;
     samples.owner = cell_.owner;
+    samples.slice_steps = cell_.slice_steps;
     std::copy_n(cell_.label.begin(), count, samples.label.begin());
     std::copy_n(cell_.corners.begin(), count, samples.corners.begin());
     std::copy_n(cell_.share.begin(), count, samples.share.begin());
@@ -93,64 +93,6 @@ class CellReader {
   Gaps gaps_;
 };
 
-/// The point of the segment a b nearest to p.
-Eigen::Vector3f nearest_on(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& p) {
-  const Eigen::Vector3f ab = b - a;
-  const float length2 = ab.squaredNorm();
-  return length2 > 0.0F ? Eigen::Vector3f(a + std::clamp(ab.dot(p - a) / length2, 0.0F, 1.0F) * ab) : a;
-}
-
-/// Puts vertices on contours.
-class ContourSnapper {
- public:
-  explicit ContourSnapper(ReadScratch& scratch) : cells_(scratch.cells), pairs_(scratch.pairs), rank_(scratch.rank) {
-    rank_.assign(cells_.simple_cells.size(), std::numeric_limits<float>::infinity());
-    snapped_ = cells_.placed;
-  }
-
-  void snap(const ContourPiece& piece) {
-    const Eigen::Vector3f step = piece.b - piece.a;
-    walk_grid(piece.a.cast<double>(), piece.b.cast<double>(), [&](double from, double to) {
-      const Eigen::Vector3f p = piece.a + static_cast<float>(from) * step, q = piece.a + static_cast<float>(to) * step;
-      const Eigen::Vector3i at = (0.5F * (p + q)).array().floor().cast<int>().max(0).min(kBrickSize - 1);
-      const std::uint16_t s = cells_.slot[static_cast<std::size_t>(sample_index(at.x(), at.y(), at.z()))];
-      if (s == BrickCells::kNoSlot || pairs_[s] != LabelPair{piece.lower, piece.upper}) return;
-      const Eigen::Vector3f base = at.cast<float>();
-      offer(s, nearest_on(p - base, q - base, to_steps(cells_.placed[s])), false);
-      if (from == 0.0 && piece.a_is_end) offer(s, p - base, true);
-      if (to == 1.0 && piece.b_is_end) offer(s, q - base, true);
-    });
-  }
-
-  void finish() { cells_.placed = std::move(snapped_); }
-
- private:
-  /// Keeps the best point of a cell: a corner of the contour, which a vertex elsewhere would cut off, before any other
-  /// point. Of corners the one farthest from the vertex as placed, which would be cut off most, of other points the
-  /// nearest; the first of equals.
-  void offer(std::uint16_t s, const Eigen::Vector3f& on, bool is_end) {
-    const float away = (on - to_steps(cells_.placed[s])).squaredNorm(), rank = is_end ? -away : away;
-    if (!(rank < rank_[s])) return;
-    rank_[s] = rank;
-    snapped_[s] = to_cell_point(on);
-    cells_.pull[s] = 0;
-  }
-
-  BrickCells& cells_;
-  const std::vector<LabelPair>& pairs_;
-  std::vector<float>& rank_;
-  std::vector<CellPoint> snapped_;
-};
-
-/// The field has a step at a slice, so samples say where its contour is to one cell only: the vertex of a cell of the
-/// contour's two labels is put on the contour, and stays there.
-void snap_to_contours(std::span<const ContourPiece> contours, ReadScratch& scratch) {
-  if (contours.empty()) return;
-  ContourSnapper snapper(scratch);
-  for (const ContourPiece& piece : contours) snapper.snap(piece);
-  snapper.finish();
-}
-
 }  // namespace
 
 void BrickCells::clear() {
@@ -163,13 +105,14 @@ void BrickCells::clear() {
   pull.clear();
   equations.clear();
   gaps.clear();
+  spans.clear();
 }
 
 bool BrickCells::same_as(const BrickCells& other) const {
   return same_bytes(simple_cells, other.simple_cells) && same_bytes(complex_cells, other.complex_cells) &&
          same_bytes(complex_samples, other.complex_samples) && edges == other.edges &&
          same_bytes(placed, other.placed) && same_bytes(pull, other.pull) && same_bytes(equations, other.equations) &&
-         same_bytes(gaps, other.gaps);
+         same_bytes(gaps, other.gaps) && same_bytes(spans, other.spans);
 }
 
 bool BrickNet::read(ReadScratch& scratch, const SampleLattice& lattice, const BrickCoord& coord) {
@@ -184,7 +127,7 @@ bool BrickNet::read(ReadScratch& scratch, const SampleLattice& lattice, const Br
   if (cells.simple_cells.empty())
     cells.slot.clear();
   else
-    snap_to_contours(lattice.contours(coord), scratch);
+    spans_of(lattice.contours(coord), cells.slot, scratch.pairs, cells.spans);
   if (cells.same_as(cells_)) return false;
   cells_ = cells;
   return true;
@@ -218,10 +161,15 @@ bool BrickNet::mean_beside(std::size_t s, const std::array<const BrickNet*, 6>& 
 bool BrickNet::relax(const std::array<const BrickNet*, 6>& beside) {
   std::vector<CellPoint> relaxed = cells_.placed;
   const float* gaps = cells_.gaps.data();
+  std::span<const ContourSpan> spans = cells_.spans;
   for (std::size_t s = 0; s < relaxed.size(); ++s) {
     const int equations = cells_.equations[s];
     Eigen::Vector3f mean;
     if (mean_beside(s, beside, mean)) relaxed[s] = relax_vertex(cells_.placed[s], mean, gaps, equations);
+    std::size_t here = 0;
+    while (here < spans.size() && spans[here].slot == s) ++here;
+    if (here > 0) relaxed[s] = put_on_contour(spans.first(here), relaxed[s], gaps);
+    spans = spans.subspan(here);
     gaps += 8 * equations;
   }
   changed_sides_ = sides_of_change(relaxed);

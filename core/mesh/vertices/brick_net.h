@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "core/mesh/lattice_position.h"
-#include "core/mesh/sample_block.h"
+#include "core/mesh/vertices/contour_snap.h"
+#include "core/mesh/vertices/sample_block.h"
 
 namespace sonoloft {
 
@@ -29,31 +30,29 @@ struct BrickCells {
   std::vector<std::uint8_t> pull;            ///< [#S] faces towards whose cells the vertex is drawn
   std::vector<std::uint8_t> equations;       ///< [#S] 0..kMaxEquations
   std::vector<float> gaps;                   ///< [sum of equations][8]
+  std::vector<ContourSpan> spans;            ///< of the contours, ascending by cell
 
   static constexpr std::uint16_t kNoSlot = 0xFFFF;
   void clear();
   [[nodiscard]] bool same_as(const BrickCells& other) const;  ///< in every byte
 };
 
-/// The labels of a cell that has just two, ascending.
-using LabelPair = std::array<Label, 2>;
-
 /// Room to work in for BrickNet::read(), used again for brick after brick.
 struct ReadScratch {
   SampleBlock block;
   BrickCells cells;
   std::vector<LabelPair> pairs;  ///< [#S] both kNotSampled where there are more than two
-  std::vector<float> rank;       ///< [#S] of the point of a contour that a vertex is put on
 };
 
 /// The cells of one brick, and their vertices smoothed against those of the cells beside them.
 class BrickNet {
  public:
-  /// Finds the mixed cells and places their vertices, on the contours where they run through. True if anything differs
+  /// Finds the mixed cells, places their vertices, and notes which contours run through them. True if anything differs
   /// from what was read before.
   bool read(ReadScratch& scratch, const SampleLattice& lattice, const BrickCoord& coord);
 
-  /// Smooths the vertices by one step. True if any of them ends elsewhere than before.
+  /// Smooths the vertices by one step and puts those of cells with a contour on it. True if any of them ends elsewhere
+  /// than before.
   /// @param beside  the nets of the bricks at -x +x -y +y -z +z, null where there is none
   bool relax(const std::array<const BrickNet*, 6>& beside);
 

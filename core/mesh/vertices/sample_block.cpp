@@ -1,4 +1,4 @@
-#include "core/mesh/sample_block.h"
+#include "core/mesh/vertices/sample_block.h"
 
 #include <algorithm>
 #include <bit>
@@ -60,7 +60,10 @@ void SampleBlock::select(const SampleLattice& lattice, const BrickCoord& coord) 
   for (unsigned which = 0; which < 8; ++which) {
     const LocalPoint at = corner_of({0, 0, 0}, which);
     bricks_[which] = lattice.find({coord.x + at.x, coord.y + at.y, coord.z + at.z});
-    copy_part(which, bricks_[which] ? bricks_[which]->label.data() : nullptr, kNotSampled, labels_.data());
+    const Brick* brick = bricks_[which];
+    copy_part(which, brick ? brick->label.data() : nullptr, kNotSampled, labels_.data());
+    copy_part(which, brick && !brick->slice_steps.empty() ? brick->slice_steps.data() : nullptr, kFarFromSlices,
+              slice_steps_.data());
   }
 }
 
@@ -72,6 +75,8 @@ void SampleBlock::cell_labels(LocalPoint cell, CellSamples& samples) const {
 }
 
 void SampleBlock::cell_shares(LocalPoint cell, CellSamples& samples) {
+  const float* lowest_steps = slice_steps_.data() + index(cell.x, cell.y, cell.z);
+  for (std::size_t c = 0; c < 8; ++c) samples.slice_steps[c] = lowest_steps[kCorner[c]];
   for (std::size_t i = 0; i < static_cast<std::size_t>(samples.label_count); ++i) {
     const float* lowest = plane_of(samples.label[i]) + index(cell.x, cell.y, cell.z);
     for (std::size_t c = 0; c < 8; ++c) samples.share[i][c] = lowest[kCorner[c]];

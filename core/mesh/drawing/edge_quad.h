@@ -2,8 +2,8 @@
 #include <array>
 #include <optional>
 
-#include "core/mesh/brick_net.h"
-#include "core/mesh/chunk_buffer.h"
+#include "core/mesh/drawing/chunk_buffer.h"
+#include "core/mesh/vertices/brick_net.h"
 
 namespace sonoloft {
 

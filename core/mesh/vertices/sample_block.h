@@ -7,15 +7,17 @@
 
 namespace sonoloft {
 
-/// What a cell is decided from: the labels of its 8 corners and the shares of those labels in all corners.
+/// What a cell is decided from: the labels of its 8 corners, the shares of those labels in all corners, and how far
+/// these are from the nearest slice.
 struct CellSamples {
   int label_count;                            ///< 1..8
   std::array<Label, 8> label;                 ///< [label_count] ascending
   std::array<std::uint8_t, 8> corners;        ///< [label_count] bit set of the corners with that label
   std::array<std::uint8_t, 8> owner;          ///< [8] index into label of each corner
   std::array<std::array<float, 8>, 8> share;  ///< [label_count][8]
+  std::array<float, 8> slice_steps;           ///< see Brick
 
-  /// Fills everything but the shares.
+  /// Fills everything but the shares and the distances.
   void sort_labels(const std::array<Label, 8>& corner_labels);
 };
 
@@ -37,7 +39,7 @@ class SampleBlock {
   /// All labels; kNotSampled where there is no brick.
   [[nodiscard]] const std::array<Label, kPoints>& labels() const { return labels_; }
 
-  /// The labels of a cell of the brick, 0..7 in each axis, and then the shares.
+  /// The labels of a cell of the brick, 0..7 in each axis, and then the shares and the distances from slices.
   void cell_labels(LocalPoint cell, CellSamples& samples) const;
   void cell_shares(LocalPoint cell, CellSamples& samples);
 
@@ -47,6 +49,7 @@ class SampleBlock {
 
   std::array<const Brick*, 8> bricks_{};
   std::array<Label, kPoints> labels_{};
+  std::array<float, kPoints> slice_steps_{};
   std::vector<Label> planes_of_;  ///< [#planes] labels whose shares were read so far
   std::vector<float> planes_;     ///< [>= #planes][kPoints] shares; 0 where the label does not occur
 };

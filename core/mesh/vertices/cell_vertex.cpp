@@ -1,10 +1,11 @@
-#include "core/mesh/cell_vertex.h"
+#include "core/mesh/vertices/cell_vertex.h"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace sonoloft {
 namespace {
@@ -14,6 +15,8 @@ constexpr float kEdgeMargin = 0.01F;
 constexpr float kCellMargin = 0.03F;
 constexpr float kRelaxation = 0.85F;
 constexpr float kLongestStep = 0.5F;
+/// Least distance from a slice and least cosine^2: samples on a slice say on which side of a border they are, no more.
+constexpr float kNearestSlice = 1e-3F, kLeastCos2 = 1e-6F;
 /// Interfaces whose normals span less than this (squared sine) do not say where they meet.
 constexpr float kParallel = 1e-3F;
 
@@ -75,6 +78,16 @@ Eigen::Vector3f newton_step(const float* gaps, const Eigen::Vector3f& p) {
   return step.allFinite() ? step : Eigen::Vector3f::Zero();
 }
 
+/// From the difference of two labels' shares to something of the same sign that is linear along an edge. At a distance
+/// h from a slice the difference is the sine of the angle between the slice's normal and the direction in which the
+/// border on the slice is seen, of which h * tangent is linear in space; the sine alone, which is flat above a border
+/// and steep beside it, would put the border up to a quarter of an edge beside its place.
+float way_to_border(float difference, float slice_steps) {
+  if (!(slice_steps < kFarFromSlices)) return kFarFromSlices * difference;
+  return std::max(slice_steps, kNearestSlice) * difference /
+         std::sqrt(std::max(1 - difference * difference, kLeastCos2));
+}
+
 Eigen::Vector3f keep_inside(const Eigen::Vector3f& p) {
   return p.cwiseMax(kCellMargin).cwiseMin(1 - kCellMargin);
 }
@@ -119,7 +132,8 @@ unsigned mixed_edges(const CellSamples& cell, unsigned axis) {
 float crossing(const CellSamples& cell, unsigned lower, unsigned upper) {
   const auto& a = cell.share[cell.owner[lower]];
   const auto& b = cell.share[cell.owner[upper]];
-  const float g0 = a[lower] - b[lower], g1 = a[upper] - b[upper];
+  const float g0 = way_to_border(a[lower] - b[lower], cell.slice_steps[lower]);
+  const float g1 = way_to_border(a[upper] - b[upper], cell.slice_steps[upper]);
   const float t = g0 / (g0 - g1);
   if (!(std::abs(t) <= 1e6F)) return 0.5F;  // 0/0, NaN: the samples do not say
   return std::clamp(t, kEdgeMargin, 1 - kEdgeMargin);
@@ -129,7 +143,8 @@ int gaps_of(const CellSamples& cell, Gaps& gaps) {
   const int equations = cell.label_count - 1;
   if (equations > kMaxEquations) return 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(equations); ++k)
-    for (std::size_t c = 0; c < 8; ++c) gaps[k][c] = cell.share[0][c] - cell.share[k + 1][c];
+    for (std::size_t c = 0; c < 8; ++c)
+      gaps[k][c] = way_to_border(cell.share[0][c] - cell.share[k + 1][c], cell.slice_steps[c]);
   return equations;
 }
 
@@ -154,6 +169,14 @@ CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations)
       ++crossings;
     }
   return finish(sum / static_cast<float>(crossings), gaps[0].data(), equations);
+}
+
+Eigen::Vector3f normal_at(const CellPoint& vertex, const float* gaps) {
+  Eigen::Vector3f gradient;
+  (void)trilinear(gaps, to_steps(vertex), gradient);
+  const float length = gradient.norm();
+  return length > 0 && length <= std::numeric_limits<float>::max() ? Eigen::Vector3f(gradient / length)
+                                                                   : Eigen::Vector3f::Zero();
 }
 
 CellPoint relax_vertex(const CellPoint& vertex, const Eigen::Vector3f& mean, const float* gaps, int equations) {

@@ -1,9 +1,9 @@
-#include "core/mesh/edge_quad.h"
+#include "core/mesh/drawing/edge_quad.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "core/mesh/complex_cell.h"
+#include "core/mesh/drawing/complex_cell.h"
 
 namespace sonoloft {
 namespace {

@@ -81,7 +81,7 @@ Eigen::Vector3f newton_step(const float* gaps, const Eigen::Vector3f& p) {
 /// From the difference of two labels' shares to something of the same sign that is linear along an edge. At a distance
 /// h from a slice the difference is the sine of the angle between the slice's normal and the direction in which the
 /// border on the slice is seen, of which h * tangent is linear in space; the sine alone, which is flat above a border
-/// and steep beside it, would put the border up to a quarter of an edge beside its place.
+/// and steep beside it, would put the border up to half an edge beside its place.
 float way_to_border(float difference, float slice_steps) {
   if (!(slice_steps < kFarFromSlices)) return kFarFromSlices * difference;
   return std::max(slice_steps, kNearestSlice) * difference /

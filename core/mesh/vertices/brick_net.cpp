@@ -47,12 +47,13 @@ class CellReader {
     const auto id = static_cast<std::uint16_t>(sample_index(at.x, at.y, at.z));
     block_.cell_labels(at, cell_);
     block_.cell_shares(at, cell_);
+    const int equations = gaps_of(cell_, gaps_);
     for (std::uint16_t axis = 0; axis < 3; ++axis)
       if (const unsigned upper = 1u << axis; cell_.owner[0] != cell_.owner[upper])
         out_.edges.push_back({id, axis, cell_.label[cell_.owner[0]], cell_.label[cell_.owner[upper]],
-                              to_fixed(crossing(cell_, 0, upper))});
+                              to_fixed(crossing(cell_, gaps_, 0, upper))});
     if (is_simple(cell_))
-      add_simple(id);
+      add_simple(id, equations);
     else
       add_complex(id);
   }
@@ -71,8 +72,7 @@ class CellReader {
     out_.complex_samples.push_back(samples);
   }
 
-  void add_simple(std::uint16_t id) {
-    const int equations = gaps_of(cell_, gaps_);
+  void add_simple(std::uint16_t id, int equations) {
     // Two labels: along the surface. Three: along the line where they meet, or it would shrink. More: a junction,
     // fixed.
     const unsigned pull = equations == 0 ? 0 : faces_with_all_labels(cell_);

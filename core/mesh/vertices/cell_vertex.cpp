@@ -83,9 +83,14 @@ Eigen::Vector3f newton_step(const float* gaps, const Eigen::Vector3f& p) {
 /// border on the slice is seen, of which h * tangent is linear in space; the sine alone, which is flat above a border
 /// and steep beside it, would put the border up to half an edge beside its place.
 float way_to_border(float difference, float slice_steps) {
-  if (!(slice_steps < kFarFromSlices)) return kFarFromSlices * difference;
-  return std::max(slice_steps, kNearestSlice) * difference /
-         std::sqrt(std::max(1 - difference * difference, kLeastCos2));
+  const float tangent = difference / std::sqrt(std::max(1 - difference * difference, kLeastCos2));
+  return slice_steps < kFarFromSlices ? std::max(slice_steps, kNearestSlice) * tangent : kFarFromSlices * difference;
+}
+
+float zero_between(float lower, float upper) {
+  const float t = lower / (lower - upper);
+  if (!(std::abs(t) <= 1e6F)) return 0.5F;  // 0/0, NaN: the samples do not say
+  return std::clamp(t, kEdgeMargin, 1 - kEdgeMargin);
 }
 
 Eigen::Vector3f keep_inside(const Eigen::Vector3f& p) {
@@ -132,11 +137,13 @@ unsigned mixed_edges(const CellSamples& cell, unsigned axis) {
 float crossing(const CellSamples& cell, unsigned lower, unsigned upper) {
   const auto& a = cell.share[cell.owner[lower]];
   const auto& b = cell.share[cell.owner[upper]];
-  const float g0 = way_to_border(a[lower] - b[lower], cell.slice_steps[lower]);
-  const float g1 = way_to_border(a[upper] - b[upper], cell.slice_steps[upper]);
-  const float t = g0 / (g0 - g1);
-  if (!(std::abs(t) <= 1e6F)) return 0.5F;  // 0/0, NaN: the samples do not say
-  return std::clamp(t, kEdgeMargin, 1 - kEdgeMargin);
+  return zero_between(way_to_border(a[lower] - b[lower], cell.slice_steps[lower]),
+                      way_to_border(a[upper] - b[upper], cell.slice_steps[upper]));
+}
+
+float crossing(const CellSamples& cell, const Gaps& gaps, unsigned lower, unsigned upper) {
+  if (cell.label_count > 2) return crossing(cell, lower, upper);
+  return zero_between(gaps[0][lower], gaps[0][upper]);  // the same bits, whichever of both labels is first
 }
 
 int gaps_of(const CellSamples& cell, Gaps& gaps) {
@@ -165,7 +172,7 @@ CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations)
     for (unsigned rest = mixed_edges(cell, axis); rest != 0; rest &= rest - 1) {
       const auto lower = static_cast<unsigned>(std::countr_zero(rest));
       sum += kCorners[lower];
-      sum[axis] += crossing(cell, lower, lower | 1u << axis);
+      sum[axis] += crossing(cell, gaps, lower, lower | 1u << axis);
       ++crossings;
     }
   return finish(sum / static_cast<float>(crossings), gaps[0].data(), equations);

@@ -32,6 +32,9 @@ using Gaps = std::array<std::array<float, 8>, kMaxEquations>;  ///< [equation][c
 /// of its crossings).
 [[nodiscard]] int gaps_of(const CellSamples& cell, Gaps& gaps);
 
+/// The same of a cell whose gaps are known.
+[[nodiscard]] float crossing(const CellSamples& cell, const Gaps& gaps, unsigned lower, unsigned upper);
+
 /// A position in lattice steps from the cell's lowest corner, and back: it is then kept 0.03 inside of the cell.
 [[nodiscard]] Eigen::Vector3f to_steps(const CellPoint& point);
 [[nodiscard]] CellPoint to_cell_point(const Eigen::Vector3f& steps);

@@ -6,6 +6,7 @@
 #include "core/methods/equal_importance/equal_importance.h"
 #include "core/methods/medial_axis/medial_axis.h"
 #include "core/methods/metamorphosis/metamorphosis.h"
+#include "core/methods/straight_skeleton/straight_skeleton.h"
 
 namespace sonoloft {
 namespace {
@@ -20,7 +21,8 @@ std::string list(const Names& names) {
 }  // namespace
 
 std::span<const Method> methods() {
-  static const std::vector<Method> all{equal_importance_method(), medial_axis_method(), metamorphosis_method()};
+  static const std::vector<Method> all{equal_importance_method(), medial_axis_method(), metamorphosis_method(),
+                                       straight_skeleton_method()};
   return all;
 }
 

@@ -5,11 +5,10 @@
 #include <optional>
 
 #include "core/cells/cell_complex.h"
+#include "core/methods/network/data_box.h"
 
 namespace sonoloft::medial {
 namespace {
-
-using Eigen::Vector3d;
 
 /// All that reaches to both sides of a plane is cut: cells are exact.
 constexpr double kNoGap_mm = std::numeric_limits<double>::min();
@@ -28,20 +27,10 @@ Result<std::vector<Section>> sections_of(std::span<const TrackedSlice> slices) {
     if (has_unknown(*section))
       return fail(ErrorCode::invalid_argument,
                   "medial-axis takes slices of any direction without unknown parts; slice " + std::to_string(i + 1) +
-                      " has some: reconstruct without --method");
+                      " has some: take straight-skeleton, or reconstruct without --method");
     sections.push_back(std::move(*section));
   }
   return sections;
-}
-
-Eigen::AlignedBox3d box_around(std::span<const Section> sections) {
-  Eigen::AlignedBox3d data;
-  for (const Section& s : sections)
-    for (const Eigen::Vector2d& p : s.points) data.extend(s.image_to_reference * Vector3d(p.x(), p.y(), 0));
-  if (data.isEmpty()) return data;
-  const double least_mm = data.diagonal().norm() / 4;  // of a single slice
-  const Vector3d half = data.sizes().cwiseMax(least_mm);
-  return {data.center() - half, data.center() + half};
 }
 
 /// Cells between planes alone: each plane is told as one label of its own, so that it cuts every cell that it meets.

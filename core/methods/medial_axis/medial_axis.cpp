@@ -4,9 +4,9 @@
 #include <map>
 
 #include "core/methods/medial_axis/arrangement.h"
-#include "core/methods/medial_axis/fairing/fairing.h"
-#include "core/methods/medial_axis/fairing/refinement.h"
 #include "core/methods/medial_axis/sheet/cell_surface.h"
+#include "core/methods/network/fairing/fairing.h"
+#include "core/methods/network/fairing/refinement.h"
 #include "core/slice/parallel.h"
 
 namespace sonoloft {
@@ -81,12 +81,7 @@ class Joiner {
 Result<MethodSurfaces> run(const MethodInput& input) {
   auto surfaces = medial_axis(input.slices, {input.settings.at("fairing") == "on", input.threads});
   if (!surfaces) return tl::unexpected<Error>(surfaces.error());
-  IndexedMesh mesh;
-  for (const Eigen::Vector3d& p : surfaces->positions) mesh.positions.push_back(p.cast<float>());
-  mesh.triangles = std::move(surfaces->triangles);
-  mesh.label_front = std::move(surfaces->label_front);
-  mesh.label_back = std::move(surfaces->label_back);
-  return MethodSurfaces{std::move(mesh), std::move(surfaces->notes)};
+  return as_mesh(std::move(*surfaces));
 }
 
 }  // namespace
@@ -105,7 +100,7 @@ Result<ContourSurfaces> medial_axis(std::span<const TrackedSlice> slices, const 
   for (std::size_t c = 0; c < cells.size(); ++c) joiner.add(surfaces[c], cells[c].faces);
   JoinedCells joined = joiner.done();
   if (options.fairing) {
-    refine(joined);
+    refine(joined, 0);
     if (!fair(joined)) joined.surfaces.notes.emplace_back("the surfaces could not be made smooth");
   }
   return std::move(joined.surfaces);

@@ -1,26 +1,14 @@
 #pragma once
 // slices of any direction -> [MEDIAL AXIS] -> surfaces
-#include <array>
 #include <span>
-#include <vector>
 
-#include "core/methods/method.h"
+#include "core/methods/network/contour_surfaces.h"
 
 namespace sonoloft {
 
 struct MedialAxisOptions {
   bool fairing = true;  ///< between the slices smooth, else walls and flat sheets
   int threads = 1;      ///< >= 1; the result does not depend on it
-};
-
-/// A closed surface network that runs through the contours exactly. Frame: reference, mm.
-struct ContourSurfaces {
-  std::vector<Eigen::Vector3d> positions;               ///< [#V] mm
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< [#T]
-  std::vector<Label> label_front;                       ///< [#T] the side the normal points to; 0 = outside
-  std::vector<Label> label_back;                        ///< [#T] never equal to label_front
-  std::size_t on_slices = 0;                            ///< vertices below this lie on slices, all others between them
-  std::vector<std::string> notes;                       ///< see MethodSurfaces
 };
 
 /// The planes of the slices cut space into convex cells; every point of a cell has the label of the nearest face of the

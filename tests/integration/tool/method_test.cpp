@@ -20,8 +20,8 @@ std::string stack_csl() {
 TEST_CASE("tool reconstruct: every method makes a mesh, a report and a picture of a stack") {
   const TemporaryFolder folder;
   folder.write("stack.csl", stack_csl());
-  for (const std::string method :
-       {"equal-importance", "medial-axis --method-option fairing=off", "metamorphosis --method-option ends=flat"}) {
+  for (const std::string method : {"equal-importance", "medial-axis --method-option fairing=off",
+                                   "metamorphosis --method-option ends=flat", "straight-skeleton"}) {
     const ToolRun run =
         run_tool(folder, "reconstruct stack.csl -o m.ply --depth 6 --report r.json --picture m.png --method " + method);
     REQUIRE_MESSAGE(run.status == 0, run.err);

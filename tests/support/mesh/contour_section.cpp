@@ -37,7 +37,8 @@ double distance_to(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eig
 class Slice {
  public:
   Slice(const TrackedSlice& slice, double diagonal_mm) : section_(*make_section(slice)), diagonal_mm_(diagonal_mm) {
-    for (std::size_t i = 0; i < section_.edges.size(); ++i) length_mm_ += (end(i) - start(i)).norm();
+    for (std::size_t i = 0; i < section_.edges.size(); ++i)
+      if (is_contour(section_.edges[i])) length_mm_ += (end(i) - start(i)).norm();
     order_by_x();
   }
 
@@ -50,10 +51,11 @@ class Slice {
     for (std::size_t t = 0; t < s.triangles.size(); ++t) {
       double low = 0, high = 0;
       for (const std::uint32_t v : s.triangles[t]) low = std::min(low, at[v].z()), high = std::max(high, at[v].z());
-      out.crossings += low < -on_mm && high > on_mm;
+      out.crossings += low < -on_mm && high > on_mm && crosses(s.triangles[t], at);
       for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t a = s.triangles[t][i], b = s.triangles[t][(i + 1) % 3];
-        if (std::max(a, b) < s.on_slices && std::abs(at[a].z()) <= on_mm && std::abs(at[b].z()) <= on_mm)
+        if (std::max(a, b) < s.on_slices && std::abs(at[a].z()) <= on_mm && std::abs(at[b].z()) <= on_mm &&
+            knows((at[a] + at[b]).head<2>() / 2))
           add_boundary(seen[at[s.triangles[t][(i + 2) % 3]].z() > 0], s, t, i);
       }
     }
@@ -63,6 +65,21 @@ class Slice {
  private:
   Eigen::Vector2d start(std::size_t e) const { return section_.points[section_.edges[e].a]; }
   Eigen::Vector2d end(std::size_t e) const { return section_.points[section_.edges[e].b]; }
+  static bool is_contour(const SectionEdge& e) { return e.left != kUnknown && e.right != kUnknown; }
+  bool knows(const Eigen::Vector2d& p) const { return label_at(section_, p) != kUnknown; }
+  /// Whether a triangle meets the plane where the slice knows something, looked at in some places.
+  bool crosses(const std::array<std::uint32_t, 3>& corners, const std::vector<Eigen::Vector3d>& at) const {
+    std::vector<Eigen::Vector2d> ends;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Vector3d &p = at[corners[i]], &q = at[corners[(i + 1) % 3]];
+      if (p.z() * q.z() < 0) ends.push_back((p + p.z() / (p.z() - q.z()) * (q - p)).head<2>());
+      if (p.z() == 0) ends.push_back(p.head<2>());
+    }
+    constexpr int kPlaces = 16;
+    for (int i = 1; i < kPlaces; ++i)
+      if (knows(ends.front() + (1.0 * i / kPlaces) * (ends.back() - ends.front()))) return true;
+    return false;
+  }
   void order_by_x() {
     for (std::uint32_t e = 0; e < section_.edges.size(); ++e) by_x_.push_back({std::min(start(e).x(), end(e).x()), e});
     std::ranges::sort(by_x_);

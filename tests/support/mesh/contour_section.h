@@ -19,7 +19,8 @@ struct ContourSection {
   [[nodiscard]] std::string text() const;
 };
 
-/// Looks at positions and labels only: what lies within 10^-9 of the diagonal of a plane lies on it.
+/// Looks at positions and labels only: what lies within 10^-9 of the diagonal of a plane lies on it. Where a slice says
+/// unknown nothing is looked at.
 [[nodiscard]] ContourSection section_with(std::span<const TrackedSlice> slices, const ContourSurfaces& surfaces);
 
 /// What each label encloses.

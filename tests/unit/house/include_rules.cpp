@@ -50,8 +50,9 @@ struct Guest {
 const std::vector<Guest>& guests() {
   static const std::vector<Guest> all{
       {{"CGAL/"},
-       {"core/cells/", "core/methods/medial_axis/", "core/offline/", "tests/"},
-       "CGAL is named only in core/cells, core/methods/medial_axis and core/offline"},
+       {"core/cells/", "core/methods/medial_axis/", "core/methods/network/", "core/methods/straight_skeleton/",
+        "core/offline/", "tests/"},
+       "CGAL is named only in core/cells, core/methods/{medial_axis,network,straight_skeleton} and core/offline"},
       {{"core/offline/"},
        {"core/offline/", "host/apps/", "tests/"},
        "core/offline is GPL: only the tool and the tests include it"},

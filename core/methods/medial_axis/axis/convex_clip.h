@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/methods/medial_axis/planes/exact.h"
+#include "core/methods/network/exact.h"
 
 namespace sonoloft::medial {
+
+using namespace network;
 
 /// { p : a x + b y + c >= 0 }
 struct HalfPlane {

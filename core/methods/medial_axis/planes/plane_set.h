@@ -4,9 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "core/methods/medial_axis/planes/exact.h"
+#include "core/methods/network/exact.h"
 
 namespace sonoloft::medial {
+
+using namespace network;
 
 /// A plane as CellComplex takes it: its normal and offset are doubles, taken exactly. They are all that "distance"
 /// means here, so that points of equal distance are rational; a normal is a unit vector to rounding only. Image

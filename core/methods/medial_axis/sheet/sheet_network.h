@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/methods/medial_axis/axis/cell_curves.h"
-#include "core/methods/medial_axis/sheet/planar_sweep.h"
+#include "core/methods/network/planar_sweep.h"
 
 namespace sonoloft::medial {
 

@@ -1,9 +1,9 @@
-#include "core/methods/medial_axis/fairing/fairing.h"
+#include "core/methods/network/fairing/fairing.h"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 
-namespace sonoloft::medial {
+namespace sonoloft::network {
 namespace {
 
 /// A vertex keeps this share of its distance from a wall at least.
@@ -23,6 +23,15 @@ std::vector<std::vector<std::uint32_t>> neighbours_of(const ContourSurfaces& s) 
     std::ranges::sort(list);
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
+  return all;
+}
+
+/// [#V] cells that triangles at each are of.
+std::vector<std::vector<std::uint32_t>> cells_of(const JoinedCells& cells) {
+  std::vector<std::vector<std::uint32_t>> all(cells.surfaces.positions.size());
+  for (std::size_t t = 0; t < cells.surfaces.triangles.size(); ++t)
+    for (const std::uint32_t v : cells.surfaces.triangles[t])
+      if (std::ranges::count(all[v], cells.cell_of[t]) == 0) all[v].push_back(cells.cell_of[t]);
   return all;
 }
 
@@ -72,14 +81,15 @@ bool fair(JoinedCells& cells) {
   if (solver.info() != Eigen::Success) return false;
   const Eigen::MatrixXd smooth = solver.solve(-(transposed * laplacian.fixed));
   if (!smooth.allFinite()) return false;
-  std::vector<std::uint32_t> cell_of(s.positions.size());
-  for (std::size_t t = 0; t < s.triangles.size(); ++t)
-    for (const std::uint32_t v : s.triangles[t]) cell_of[v] = cells.cell_of[t];
+  const std::vector<std::vector<std::uint32_t>> cells_at = cells_of(cells);
   for (std::size_t v = s.on_slices; v < s.positions.size(); ++v) {
     const Eigen::Vector3d to = smooth.row(static_cast<Eigen::Index>(v - s.on_slices));
-    s.positions[v] += share_within(cells.walls[cell_of[v]], s.positions[v], to) * (to - s.positions[v]);
+    double share = 1;
+    for (const std::uint32_t cell : cells_at[v])
+      share = std::min(share, share_within(cells.walls[cell], s.positions[v], to));
+    s.positions[v] += share * (to - s.positions[v]);
   }
   return true;
 }
 
-}  // namespace sonoloft::medial
+}  // namespace sonoloft::network

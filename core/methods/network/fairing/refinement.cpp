@@ -1,15 +1,18 @@
-#include "core/methods/medial_axis/fairing/refinement.h"
+#include "core/methods/network/fairing/refinement.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <set>
 
-namespace sonoloft::medial {
+namespace sonoloft::network {
 namespace {
 
 constexpr int kRounds = 10, kRelaxations = 6;
+/// Of an edge: what rounding leaves between a vertex and a wall that it was put on.
+constexpr double kOnWall = 1e-9;
 
 using Corners = std::array<std::uint32_t, 3>;
 using Eigen::Vector3d;
@@ -22,7 +25,7 @@ struct EdgeUse {
 
 class Refiner {
  public:
-  explicit Refiner(JoinedCells& cells) : cells_(cells), s_(cells.surfaces) {}
+  Refiner(JoinedCells& cells, double growth) : cells_(cells), s_(cells.surfaces), growth_(growth) {}
 
   void run() {
     find_lengths();
@@ -68,16 +71,25 @@ class Refiner {
     }
     for (std::size_t v = 0; v < lengths_.size(); ++v)
       if (count[v] > 0) lengths_[v] /= count[v];
+    const double mean = mean_length();
     for (bool any = true; any;) {
       any = false;
       std::vector<double> sum(lengths_.size(), 0);
       std::vector<int> from(lengths_.size(), 0);
       for (const EdgeUse& use : uses)
         for (const auto& [a, b] : {std::pair{use.low, use.high}, std::pair{use.high, use.low}})
-          if (lengths_[a] == 0 && lengths_[b] > 0) sum[a] += lengths_[b], ++from[a];
+          if (lengths_[a] == 0 && lengths_[b] > 0)
+            sum[a] += lengths_[b] + growth_ * (s_.positions[a] - s_.positions[b]).norm(), ++from[a];
       for (std::size_t v = 0; v < lengths_.size(); ++v)
         if (from[v] > 0) lengths_[v] = sum[v] / from[v], any = true;
     }
+    std::ranges::replace(lengths_, 0.0, mean);  // of parts that no contour is in
+  }
+
+  [[nodiscard]] double mean_length() const {
+    double sum = 0;
+    for (const double length : lengths_) sum += length;
+    return sum / static_cast<double>(std::ranges::count_if(lengths_, [](double length) { return length > 0; }));
   }
 
   void split(double factor) {
@@ -133,7 +145,7 @@ class Refiner {
     if (cells_.on_slices(a.high) || (cells_.on_slices(c) && cells_.on_slices(d)) || c == d) return false;
     const bool same_way = s_.triangles[a.triangle][a.at] == s_.triangles[b.triangle][b.at];
     if (same_way || s_.label_front[a.triangle] != s_.label_front[b.triangle] ||
-        s_.label_back[a.triangle] != s_.label_back[b.triangle])
+        s_.label_back[a.triangle] != s_.label_back[b.triangle] || !cell_of_both(a, b))
       return false;
     const Vector3d p = s_.positions[s_.triangles[a.triangle][a.at]], q = s_.positions[s_.triangles[b.triangle][b.at]],
                    r = s_.positions[c], t = s_.positions[d];
@@ -142,6 +154,18 @@ class Refiner {
     if (m.dot(n) < 0.5 * m.norm() * n.norm()) return false;  // a crease
     return (t - r).cross(q - r).dot(both) > 0 && (t - r).cross(p - r).dot(both) < 0;
   }
+  /// A cell that both triangles lie in: convex, it holds what they are turned into.
+  std::optional<std::uint32_t> cell_of_both(const EdgeUse& a, const EdgeUse& b) const {
+    const std::uint32_t of_a = cells_.cell_of[a.triangle], of_b = cells_.cell_of[b.triangle];
+    const auto holds = [&](std::uint32_t cell, std::uint32_t vertex) {
+      const Vector3d& p = s_.positions[vertex];
+      const double least_mm = -kOnWall * (s_.positions[a.low] - p).norm();
+      return std::ranges::all_of(cells_.walls[cell], [&](const auto& w) { return w.signedDistance(p) >= least_mm; });
+    };
+    if (of_a == of_b || holds(of_a, opposite(b))) return of_a;
+    if (holds(of_b, opposite(a))) return of_b;
+    return std::nullopt;
+  }
   static double angle(const Vector3d& at, const Vector3d& a, const Vector3d& b) {
     return std::atan2((a - at).cross(b - at).norm(), (a - at).dot(b - at));
   }
@@ -149,19 +173,21 @@ class Refiner {
   void turn(const EdgeUse& a, const EdgeUse& b) {
     const std::uint32_t c = opposite(a), d = opposite(b), p = s_.triangles[a.triangle][a.at],
                         q = s_.triangles[b.triangle][b.at];
+    cells_.cell_of[a.triangle] = cells_.cell_of[b.triangle] = *cell_of_both(a, b);
     s_.triangles[a.triangle] = {c, p, d};
     s_.triangles[b.triangle] = {d, q, c};
   }
 
   JoinedCells& cells_;
   ContourSurfaces& s_;
+  double growth_;
   std::vector<double> lengths_;
 };
 
 }  // namespace
 
-void refine(JoinedCells& cells) {
-  Refiner(cells).run();
+void refine(JoinedCells& cells, double growth) {
+  Refiner(cells, growth).run();
 }
 
-}  // namespace sonoloft::medial
+}  // namespace sonoloft::network

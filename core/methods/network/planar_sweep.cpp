@@ -1,9 +1,9 @@
-#include "core/methods/medial_axis/sheet/planar_sweep.h"
+#include "core/methods/network/planar_sweep.h"
 
 #include <algorithm>
 #include <cassert>
 
-namespace sonoloft::medial {
+namespace sonoloft::network {
 namespace {
 
 using Chain = std::vector<std::uint32_t>;
@@ -109,4 +109,4 @@ std::vector<std::array<std::uint32_t, 3>> triangulate(std::span<const SheetPoint
   return Sweep(points, edges).triangles();
 }
 
-}  // namespace sonoloft::medial
+}  // namespace sonoloft::network

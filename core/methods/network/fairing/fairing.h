@@ -1,7 +1,7 @@
 #pragma once
-#include "core/methods/medial_axis/fairing/joined_cells.h"
+#include "core/methods/network/fairing/joined_cells.h"
 
-namespace sonoloft::medial {
+namespace sonoloft::network {
 
 /// Makes the surfaces smooth: vertices on slices stay, the others go where the bi-Laplacian of all positions vanishes,
 /// in the sense of least squares, through the contours as well; but never through a wall of their cell.
@@ -11,4 +11,4 @@ namespace sonoloft::medial {
 /// weights).
 [[nodiscard]] bool fair(JoinedCells& cells);
 
-}  // namespace sonoloft::medial
+}  // namespace sonoloft::network

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace sonoloft::medial {
+namespace sonoloft::network {
 
 using Kernel = CGAL::Epeck;
 using Number = Kernel::FT;
@@ -65,4 +65,4 @@ using Triple = std::array<Number, 3>;  ///< a point or a direction of space
   return (x.y() - a.y()) / (b.y() - a.y());
 }
 
-}  // namespace sonoloft::medial
+}  // namespace sonoloft::network

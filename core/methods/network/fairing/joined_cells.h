@@ -2,9 +2,9 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "core/methods/medial_axis/medial_axis.h"
+#include "core/methods/network/contour_surfaces.h"
 
-namespace sonoloft::medial {
+namespace sonoloft::network {
 
 /// The surfaces of all cells, and where each cell ends. Vertices that lie on no slice stay within their cell: so
 /// nothing that is done to them changes what the surfaces are on a slice.
@@ -16,4 +16,4 @@ struct JoinedCells {
   [[nodiscard]] bool on_slices(std::uint32_t vertex) const { return vertex < surfaces.on_slices; }
 };
 
-}  // namespace sonoloft::medial
+}  // namespace sonoloft::network

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "core/methods/medial_axis/planes/exact.h"
+#include "core/methods/network/exact.h"
 
-namespace sonoloft::medial {
+namespace sonoloft::network {
 
 /// A point of a network, and the straight lines that it was put on: three points of one line need no arithmetic.
 struct SheetPoint {
@@ -28,4 +28,4 @@ struct SheetPoint {
 [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> triangulate(
     std::span<const SheetPoint> points, std::span<const std::array<std::uint32_t, 2>> edges);
 
-}  // namespace sonoloft::medial
+}  // namespace sonoloft::network

@@ -1,7 +1,7 @@
 """The methods of docs/methods.md, the live one beside them: one table of how good they are and what they cost."""
 import pathlib
 
-METHODS = ("live", "metamorphosis", "equal-importance", "medial-axis")
+METHODS = ("live", "metamorphosis", "equal-importance", "medial-axis", "straight-skeleton")
 DEPTH = 8
 TRUTHS = {"eight_15": "eight_20_scaled", "eight_20": "eight_20_scaled", "hand_ok": "hand_ok_scaled"}
 PAGE = pathlib.Path("docs/methods.md")
@@ -14,7 +14,8 @@ HEADS = [["set", "method", "IoU", "mean", "max", "contour", "contour", "closed",
 def measure(run, sets):
     """@param run  calls a program, and gives its figures"""
     records = []
-    for path in sorted(sets.glob("*.csl"), key=lambda p: p.stem.lower()) + ["pelvis"]:
+    files = [*sets.glob("*.csl"), *(sets.parent / "contour").glob("*.contour")]
+    for path in sorted(files, key=lambda p: p.stem.lower()) + ["pelvis"]:
         name = getattr(path, "stem", path)
         truth = [sets.parent / "truth" / f"{TRUTHS[name]}.stl"] if name in TRUTHS else []
         for method in METHODS:

@@ -5,7 +5,7 @@
 namespace sonoloft::bench {
 
 std::vector<TrackedSlice> read_set(const std::filesystem::path& file) {
-  return or_exit(read_csl(file)).slices;
+  return or_exit(file.extension() == ".contour" ? read_contour(file) : read_csl(file)).slices;
 }
 
 Batch run_batch(std::span<const TrackedSlice> slices, const ReconstructorOptions& options) {

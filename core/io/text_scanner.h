@@ -28,7 +28,8 @@ class TextScanner {
   std::string_view word(std::string_view what) {
     if (failed()) return {};
     if (at_end()) {
-      set_error(ErrorCode::parse_failed, "the text ends where " + std::string(what) + " is due: it is truncated");
+      set_error(ErrorCode::parse_failed,
+                std::string("the text ends where ").append(what).append(" is due: it is truncated"));
       return {};
     }
     const std::size_t first = next_;

@@ -69,8 +69,8 @@ TEST_CASE("csl: a plane without contours stays: it says that all is outside ther
 
 TEST_CASE("csl: a constant of the wrong sign is turned, also of planes without vertices beside them") {
   std::string text = kFramed;
-  text.replace(text.find("-6"), 2, "+6");
-  text.replace(text.find("-7"), 2, "+7");
+  text.at(text.find("-6")) = '+';
+  text.at(text.find("-7")) = '+';
   const SliceFile file = csl(text);
   CHECK(file.notes.flipped_offsets == 1);
   CHECK(file.notes.largest_offset_mm < 1e-12);

@@ -26,8 +26,14 @@ void Bricks::take(MeshSnapshot mesh) {
 
 void Bricks::change(const BrickCoord& coord, std::shared_ptr<const MeshChunk> chunk) {
   Brick& brick = bricks_[coord];
-  if (brick.chunk) faces_ -= faces_of(*brick.chunk);
-  if (chunk) faces_ += faces_of(*chunk);
+  if (brick.chunk) {
+    faces_ -= faces_of(*brick.chunk);
+    triangles_ -= brick.chunk->triangles.size();
+  }
+  if (chunk) {
+    faces_ += faces_of(*chunk);
+    triangles_ += chunk->triangles.size();
+  }
   brick.chunk = std::move(chunk);
   for (int i = 0; i < 27; ++i) {
     const BrickCoord beside{coord.x + i % 3 - 1, coord.y + i / 3 % 3 - 1, coord.z + i / 9 - 1};

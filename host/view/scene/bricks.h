@@ -44,7 +44,8 @@ class Bricks {
 
   [[nodiscard]] std::uint64_t version() const { return version_; }
   [[nodiscard]] std::size_t count() const { return mesh_.chunks.size(); }
-  [[nodiscard]] std::size_t faces() const { return faces_; }  ///< triangles as sent: one of a wall counts twice
+  [[nodiscard]] std::size_t triangles() const { return triangles_; }
+  [[nodiscard]] std::size_t faces() const { return faces_; }  ///< triangles as sent: one between two materials twice
 
  private:
   struct Brick {
@@ -65,7 +66,7 @@ class Bricks {
   AskConfidence confidence_;
   MeshSnapshot mesh_;
   std::uint64_t meshes_ = 0, version_ = 0;
-  std::size_t faces_ = 0;
+  std::size_t triangles_ = 0, faces_ = 0;
   std::unordered_map<BrickCoord, Brick, BrickCoordHash> bricks_;
   ByVersion by_version_;  ///< of every brick
 

@@ -177,6 +177,7 @@ std::string Scene::message(Cursor& cursor) {
   head["bricks"] = {{"here", bricks},
                     {"sent", cursor.bricks_sent},
                     {"all", bricks_.count()},
+                    {"triangles", bricks_.triangles()},
                     {"faces", bricks_.faces()},
                     {"more", cursor.bricks != bricks_.version()}};
   std::string text = head.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -71,6 +71,8 @@ TEST_CASE("view: a viewer that comes late gets the whole mesh, closed surfaces o
   CHECK(got.head["bricks"]["all"] == last.mesh.chunks.size());
   CHECK(faces(got) == faces(last));
   CHECK(got.head["bricks"]["faces"] == faces(last));
+  CHECK(got.head["bricks"]["triangles"] == last.mesh.indexed().triangles.size());
+  CHECK(got.head["bricks"]["triangles"] < got.head["bricks"]["faces"]);  // there is a wall between both labels
   REQUIRE(got.head["labels"].size() == 2);
   for (const LabelStatistics& label : last.labels)
     CHECK(volume_ml(got, label.label) == doctest::Approx(label.volume_ml).epsilon(1e-6));

@@ -84,7 +84,7 @@ function fill(list, rows) {
 }
 
 export function showFigures(list, head) {
-  const rows = [['Triangles', kNumbers.format(head.bricks.faces)]];
+  const rows = [['Triangles', kNumbers.format(head.bricks.triangles)]];
   if (head.slices) {
     const {delivered, inserted, explained, merged, refused, dropped} = head.slices;
     rows.unshift(['Slices', delivered], ['Rate', `${head.rate_hz.toFixed(1)} / s`],

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/field/packed_cells.h"
+#include "core/field/packing/packed_cells.h"
 #include "core/kernels/layout.h"
 
 namespace sonoloft {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/cells/cell_complex.h"
-#include "core/field/bent_face.h"
+#include "core/field/packing/bent_face.h"
 #include "core/slice/label.h"
 
 namespace sonoloft {

@@ -1,5 +1,5 @@
 // The shares of the labels at the points of cells: one work-item takes SONOLOFT_WIDTH points of a task. A processor
-// wants 4 to 16 of them in a vector, a graphics device 1. CPU twin: core/field/cpu_kernel.cpp.
+// wants 4 to 16 of them in a vector, a graphics device 1. CPU twin: core/field/cpu/cpu_kernel.cpp.
 #include "core/kernels/layout.h"
 
 // A lane must not depend on how the compiler fuses the code around it: fuse by hand or not at all.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/background/background.h"
-#include "core/octree/octants.h"
+#include "core/octree/bricks/octants.h"
 
 namespace sonoloft {
 

@@ -6,10 +6,10 @@
 #include <tuple>
 
 #include "core/octree/background_news.h"
-#include "core/octree/brick_pool.h"
+#include "core/octree/bricks/brick_pool.h"
+#include "core/octree/bricks/index_set.h"
+#include "core/octree/bricks/octant_growth.h"
 #include "core/octree/grid_walk.h"
-#include "core/octree/index_set.h"
-#include "core/octree/octant_growth.h"
 #include "core/octree/sampler.h"
 #include "core/octree/smoothing.h"
 #include "core/slice/parallel.h"

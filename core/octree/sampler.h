@@ -5,7 +5,7 @@
 
 #include "core/cells/cell_complex.h"
 #include "core/field/field_evaluator.h"
-#include "core/octree/brick_pool.h"
+#include "core/octree/bricks/brick_pool.h"
 #include "core/octree/unmeasured_fill.h"
 #include "core/slice/scratch_pool.h"
 #include "core/slopes/contour_slopes.h"
@@ -112,8 +112,8 @@ class Sampler {
   std::vector<CellFace> faces_;
   std::vector<std::uint32_t> apart_;  ///< room to work in
   std::vector<FaceBends> bends_;
-  std::vector<Located> located_;      ///< [>= #jobs]
-  std::vector<Group> groups_;         ///< by job
+  std::vector<Located> located_;  ///< [>= #jobs]
+  std::vector<Group> groups_;     ///< by job
   std::size_t evaluated_ = 0, edge_evaluations_ = 0;
   double field_ms_ = 0;
 };

@@ -2,7 +2,7 @@
 #include <array>
 #include <vector>
 
-#include "core/octree/brick_pool.h"
+#include "core/octree/bricks/brick_pool.h"
 
 namespace sonoloft {
 

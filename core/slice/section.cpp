@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "core/slice/label_sweep.h"
-#include "core/slice/planar_network.h"
+#include "core/slice/planar/label_sweep.h"
+#include "core/slice/planar/planar_network.h"
 
 namespace sonoloft {
 namespace {

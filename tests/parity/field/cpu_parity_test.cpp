@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/field/cpu_evaluator.h"
+#include "core/field/cpu/cpu_evaluator.h"
 #include "tests/support/field/field_parity.h"
 #include "tests/support/field/long_contours.h"
 

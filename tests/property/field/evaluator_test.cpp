@@ -4,7 +4,7 @@
 #include <array>
 #include <numeric>
 
-#include "core/field/cpu_evaluator.h"
+#include "core/field/cpu/cpu_evaluator.h"
 #include "core/field/reference.h"
 #include "tests/support/field/field_batches.h"
 #include "tests/support/field/field_cells.h"

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "core/slice/planar_network.h"
+#include "core/slice/planar/planar_network.h"
 
 using namespace sonoloft;
 

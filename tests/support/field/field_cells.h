@@ -9,7 +9,7 @@
 
 #include "core/cells/cell_complex.h"
 #include "core/cells/face_polygon.h"
-#include "core/field/bent_face.h"
+#include "core/field/packing/bent_face.h"
 
 /// Convex cells with labelled walls, made without a complex: for tests and benches of the field.
 namespace sonoloft::test {

@@ -1,4 +1,4 @@
-#include "core/field/packed_cells.h"
+#include "core/field/packing/packed_cells.h"
 
 #include <doctest/doctest.h>
 

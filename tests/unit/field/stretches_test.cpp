@@ -1,4 +1,4 @@
-#include "core/field/stretches.h"
+#include "core/field/packing/stretches.h"
 
 #include <doctest/doctest.h>
 

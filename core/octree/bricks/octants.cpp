@@ -1,4 +1,4 @@
-#include "core/octree/octants.h"
+#include "core/octree/bricks/octants.h"
 
 namespace sonoloft {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/slice/label_sweep.h"
+#include "core/slice/planar/label_sweep.h"
 
 #include <algorithm>
 #include <cassert>
@@ -8,7 +8,7 @@
 #include <span>
 #include <tuple>
 
-#include "core/slice/enclosing_sets.h"
+#include "core/slice/planar/enclosing_sets.h"
 
 namespace sonoloft {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/field/bent_face.h"
+#include "core/field/packing/bent_face.h"
 
 #include <algorithm>
 #include <cmath>

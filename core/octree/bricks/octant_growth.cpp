@@ -1,4 +1,4 @@
-#include "core/octree/octant_growth.h"
+#include "core/octree/bricks/octant_growth.h"
 
 #include <algorithm>
 #include <utility>

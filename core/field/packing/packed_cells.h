@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/cells/cell_complex.h"
-#include "core/field/bent_face.h"
+#include "core/field/packing/bent_face.h"
 #include "core/kernels/layout.h"
 #include "core/slice/label.h"
 
@@ -37,7 +37,8 @@ class PackedCells {
   /// The whole cell is labels(cell)[0]: there is nothing to evaluate.
   [[nodiscard]] bool constant(std::uint32_t cell) const { return cells_[cell].slot_count == 1; }
   [[nodiscard]] const Eigen::Vector3d& centre_mm(std::uint32_t cell) const { return centres_mm_[cell]; }
-  [[nodiscard]] std::uint32_t edge_count(std::uint32_t cell) const;  ///< what a point sums that is far from none of them
+  [[nodiscard]] std::uint32_t edge_count(
+      std::uint32_t cell) const;  ///< what a point sums that is far from none of them
 
   [[nodiscard]] std::span<const kernels::PackedCell> cells() const { return cells_; }
   [[nodiscard]] std::span<const kernels::PackedFace> faces() const { return faces_; }

@@ -1,4 +1,4 @@
-#include "core/field/cpu_evaluator.h"
+#include "core/field/cpu/cpu_evaluator.h"
 
 #include <cassert>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "core/octree/brick_pool.h"
+#include "core/octree/bricks/brick_pool.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "core/slice/segment_tree.h"
+#include "core/slice/planar/segment_tree.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "core/slice/enclosing_sets.h"
+#include "core/slice/planar/enclosing_sets.h"
 
 #include <bit>
 #include <cassert>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/octree/brick.h"
-#include "core/octree/octants.h"
+#include "core/octree/bricks/octants.h"
 
 namespace sonoloft {
 

@@ -1,9 +1,9 @@
-#include "core/slice/planar_network.h"
+#include "core/slice/planar/planar_network.h"
 
 #include <algorithm>
 #include <tuple>
 
-#include "core/slice/segment_tree.h"
+#include "core/slice/planar/segment_tree.h"
 
 namespace sonoloft {
 namespace {

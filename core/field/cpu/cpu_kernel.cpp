@@ -1,5 +1,5 @@
 // Compiled once for every instruction set, as SONOLOFT_CPU_KERNEL: see CMakeLists.txt.
-#include "core/field/cpu_kernel.h"
+#include "core/field/cpu/cpu_kernel.h"
 
 #if defined(__SSE2__)
 #include <immintrin.h>

@@ -1,10 +1,10 @@
-#include "core/field/packed_cells.h"
+#include "core/field/packing/packed_cells.h"
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
-#include "core/field/stretches.h"
+#include "core/field/packing/stretches.h"
 
 namespace sonoloft {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/slice/planar_network.h"
+#include "core/slice/planar/planar_network.h"
 
 namespace sonoloft {
 

@@ -2,9 +2,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/octree/brick_pool.h"
-#include "core/octree/index_set.h"
-#include "core/octree/octants.h"
+#include "core/octree/bricks/brick_pool.h"
+#include "core/octree/bricks/index_set.h"
+#include "core/octree/bricks/octants.h"
 
 namespace sonoloft {
 

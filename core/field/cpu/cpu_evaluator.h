@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/field/cpu_kernel.h"
+#include "core/field/cpu/cpu_kernel.h"
 #include "core/field/field_evaluator.h"
 
 namespace sonoloft {

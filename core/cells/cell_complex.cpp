@@ -1,6 +1,7 @@
 #include "core/cells/cell_complex.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -8,6 +9,24 @@
 #include "core/cells/slice_withdrawal.h"
 
 namespace sonoloft {
+namespace {
+
+/// The parts of a piece below a plane and above it; either may be empty.
+std::pair<RowPiece, RowPiece> divide(const RowPiece& piece, const PointRow& row, const Plane& plane) {
+  const double start = plane.distance(row.first), climb = plane.normal.dot(row.step);
+  const auto is_below = [&](std::uint32_t i) { return start + i * climb < 0.0; };
+  const std::uint32_t last = piece.end - 1;
+  const bool begins_below = is_below(piece.begin);
+  std::uint32_t change = piece.end;  // the first point on the other side than the first one
+  if (begins_below != is_below(last)) {
+    const double at = begins_below ? std::ceil(-start / climb) : std::floor(-start / climb) + 1;
+    change = static_cast<std::uint32_t>(std::clamp<double>(at, piece.begin + 1, last));
+  }
+  const RowPiece head = {piece.row, piece.begin, change}, tail = {piece.row, change, piece.end};
+  return begins_below ? std::pair(head, tail) : std::pair(tail, head);
+}
+
+}  // namespace
 
 CellComplex::CellComplex(const Eigen::AlignedBox3d& box, double min_gap_mm)
     : store_(std::make_unique<CellStore>(box, min_gap_mm)) {}
@@ -116,6 +135,43 @@ void CellComplex::locate(const Eigen::AlignedBox3d& bounds, std::span<const Eige
     }
     if (job.first < job.last)
       groups.push_back({CellId{static_cast<std::uint32_t>(~job.node)}, job.first, job.last - job.first});
+  }
+}
+
+void CellComplex::locate_rows(std::span<const PointRow> rows, std::vector<RowPiece>& pieces,
+                              std::vector<CellPieces>& groups) const {
+  struct Job {
+    std::int32_t node;
+    std::size_t first;  ///< of `open`, up to the first of the job above it on the stack
+  };
+  std::vector<RowPiece> open = std::exchange(pieces, {}), above;
+  std::vector<Job> stack{{store_->root, 0}};
+  groups.clear();
+  while (!stack.empty()) {
+    const auto [node, first] = stack.back();
+    stack.pop_back();
+    if (first == open.size()) continue;
+    if (node < 0) {
+      groups.push_back({CellId{static_cast<std::uint32_t>(~node)}, static_cast<std::uint32_t>(pieces.size()),
+                        static_cast<std::uint32_t>(open.size() - first)});
+      pieces.insert(pieces.end(), open.begin() + static_cast<std::ptrdiff_t>(first), open.end());
+      open.resize(first);
+      continue;
+    }
+    const TreeNode& n = store_->nodes[static_cast<std::size_t>(node)];
+    const Plane& plane = store_->planes[n.plane];
+    above.clear();
+    std::size_t below = first;
+    for (std::size_t i = first; i < open.size(); ++i) {
+      const RowPiece whole = open[i];
+      const auto [lower, upper] = divide(whole, rows[whole.row], plane);
+      if (lower.begin < lower.end) open[below++] = lower;
+      if (upper.begin < upper.end) above.push_back(upper);
+    }
+    open.resize(below);
+    stack.push_back({n.child[0], first});
+    stack.push_back({n.child[1], below});
+    open.insert(open.end(), above.begin(), above.end());
   }
 }
 

@@ -36,6 +36,22 @@ struct CellPoints {
   std::uint32_t first, count;
 };
 
+/// Points in a row: first + i * step. Frame: reference, mm.
+struct PointRow {
+  Eigen::Vector3d first, step;
+};
+
+/// The points begin <= i < end of a row.
+struct RowPiece {
+  std::uint32_t row, begin, end;
+};
+
+/// The row pieces that lie in one cell: pieces[first, first + count) of CellComplex::locate_rows().
+struct CellPieces {
+  CellId cell;
+  std::uint32_t first, count;
+};
+
 /// The convex cells that the planes of the slices inserted so far cut out of a box. The box's walls are labelled
 /// outside. Which vertices lie on which side of a plane is decided exactly (planes are taken as their double
 /// coefficients), so every sequence of planes gives valid polyhedra; coordinates are doubles. Frame: reference, mm.
@@ -134,6 +150,12 @@ class CellComplex {
   /// @cost  O(#P log #planes); allocates only when the outputs grow
   void locate(const Eigen::AlignedBox3d& bounds, std::span<const Eigen::Vector3d> points_mm,
               std::vector<std::uint32_t>& order, std::vector<CellPoints>& groups) const;
+  /// The same for points in rows; those within rounding of a plane may be taken to either side of it.
+  /// @param pieces  in: which points; out: they, those of one cell together
+  /// @param groups  out, one for each cell with points: where in `pieces` they are
+  /// @cost  O(rows * planes met on the way); allocates
+  void locate_rows(std::span<const PointRow> rows, std::vector<RowPiece>& pieces,
+                   std::vector<CellPieces>& groups) const;
 
   /// The cells that a segment touches, those at whose walls it lies among them: a superset by rounding.
   /// @param out  appended to, in the order of the tree, each cell once

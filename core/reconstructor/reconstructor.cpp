@@ -121,6 +121,7 @@ struct Reconstructor::State {
   }
 
   void note(const CellComplex::Delta& delta) {
+    admission.forget(delta.divided);
     for (Level& l : levels) l.octree.note(cells, delta);
     if (!slopes) return;
     slopes->note(delta);
@@ -137,6 +138,7 @@ struct Reconstructor::State {
 
   CellComplex::Withdrawal take_back(SliceId slice) {
     CellComplex::Withdrawal withdrawal = cells.withdraw(slice);
+    admission.forget(withdrawal.removed);
     for (Level& l : levels) l.octree.note(cells, withdrawal);
     if (slopes) slopes->note(slice, withdrawal);
     return withdrawal;
@@ -196,7 +198,8 @@ struct Reconstructor::State {
   }
 
   [[nodiscard]] Result<CellAdmission::Widths> judge(const Section& section) {
-    return news_only() ? admission.judge(section, cells, *background, *evaluator) : CellAdmission::Widths{};
+    return news_only() ? admission.judge(section, cells, *background, *evaluator, options.threads)
+                       : CellAdmission::Widths{};
   }
   [[nodiscard]] double width_mm(const CellAdmission::Widths& widths, CellId cell) const {
     if (!news_only()) return 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "tests/support/planes.h"
 
@@ -132,7 +133,44 @@ TEST_CASE("cells: locating many points agrees with locating one, and the cell co
   CHECK(out_of_cell == 0);
 }
 
-TEST_CASE("cells: a segment touches every cell that its points lie in, and those on both sides of a wall that it lies in") {
+TEST_CASE("cells: points in rows lie in the cells that one point after the other lies in, each once") {
+  CellComplex complex(kBox, 0.01);
+  std::mt19937 rng(12);
+  for (int i = 0; i < 20; ++i)
+    (void)complex.insert(test::section_of_discs(test::random_frame(rng, 20), {{{0, 0}, 9, 1}}));
+  std::vector<PointRow> rows;
+  std::vector<RowPiece> all;
+  for (std::uint32_t r = 0; r < 60; ++r) {
+    const Eigen::Isometry3d frame = test::random_frame(rng, 20);
+    rows.push_back({frame.translation(), r == 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(frame.linear().col(0))});
+    all.push_back({r, 0, 12});
+    all.push_back({r, 15, 16});
+  }
+  std::vector<RowPiece> pieces = all;
+  std::vector<CellPieces> groups;
+  complex.locate_rows(rows, pieces, groups);
+  std::vector<std::vector<int>> found(rows.size(), std::vector<int>(16, 0));
+  std::size_t located = 0, disagree = 0;
+  std::set<CellId> cells;
+  for (const CellPieces& group : groups) {
+    CHECK(group.first == located);
+    CHECK(cells.insert(group.cell).second);
+    located += group.count;
+    for (std::uint32_t k = group.first; k < group.first + group.count; ++k)
+      for (std::uint32_t i = pieces[k].begin; i < pieces[k].end; ++i) {
+        ++found[pieces[k].row][i];
+        disagree += group.cell != complex.locate(rows[pieces[k].row].first + i * rows[pieces[k].row].step);
+      }
+  }
+  CHECK(located == pieces.size());
+  CHECK(disagree == 0);
+  CHECK(cells.size() > 50);
+  for (const auto& row : found)
+    for (int i = 0; i < 16; ++i) CHECK(row[static_cast<std::size_t>(i)] == (i < 12 || i == 15 ? 1 : 0));
+}
+
+TEST_CASE(
+    "cells: a segment touches every cell that its points lie in, and those on both sides of a wall that it lies in") {
   CellComplex complex(kBox, 0.01);
   std::mt19937 rng(5);
   for (int i = 0; i < 12; ++i)

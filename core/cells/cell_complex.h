@@ -151,7 +151,7 @@ class CellComplex {
   void locate(const Eigen::AlignedBox3d& bounds, std::span<const Eigen::Vector3d> points_mm,
               std::vector<std::uint32_t>& order, std::vector<CellPoints>& groups) const;
   /// The same for points in rows; those within rounding of a plane may be taken to either side of it.
-  /// @param pieces  in: which points; out: they, those of one cell together
+  /// @param pieces  in: which points, none empty; out: they, those of one cell together
   /// @param groups  out, one for each cell with points: where in `pieces` they are
   /// @cost  O(rows * planes met on the way); allocates
   void locate_rows(std::span<const PointRow> rows, std::vector<RowPiece>& pieces,

@@ -86,7 +86,8 @@ void CellAdmission::pack(const CellComplex& cells) {
 }
 
 double CellAdmission::width(const Group& group, const Background& background, Scratch& scratch) const {
-  auto& [near, weight] = scratch;
+  PointShares& near = scratch.near;
+  std::vector<float>& weight = scratch.weight;
   background.local(std::span(point_mm_).subspan(group.first, group.count), weight, near);
   const std::span<const Label> labels = batch_.cells.labels(group.packed);
   const auto known = [&](std::uint32_t slot, std::size_t k) {

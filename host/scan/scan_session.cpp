@@ -182,10 +182,12 @@ void ScanSession::State::enqueue(std::shared_ptr<const DeliveredSlice> slice) {
   if (waiting.slices.size() == options.queue_capacity) {
     waiting.slices.pop_front();
     ++counts.dropped;
-    const ScanEvent overflow = {ScanEventKind::slices_dropped,
-                                "slices come faster than the mesh follows and the oldest are dropped: do less in "
-                                "on_mesh, or choose a wider spacing"};
-    if (!std::exchange(overflow_told, true)) waiting.events.push_back(overflow);
+    if (!std::exchange(overflow_told, true)) {
+      const ScanEvent overflow = {ScanEventKind::slices_dropped,
+                                  "slices come faster than the mesh follows and the oldest are dropped: do less in "
+                                  "on_mesh, or choose a wider spacing"};
+      waiting.events.push_back(overflow);
+    }
   }
   waiting.slices.push_back(std::move(slice));
   to_reconstruction.notify_all();

@@ -1,5 +1,5 @@
-# Headers of others that take seconds to read, compiled once a set instead of once a file: a fresh checkout is built in
-# half the time. Sources include what they use all the same; tests/fuzz, headers that must compile alone and the packages
+# Headers of others that take seconds to read, compiled once a set instead of once a file: most of the time that a fresh
+# checkout took. Sources include what they use all the same; tests/fuzz, headers that must compile alone and the packages
 # that link the installed libraries do without.
 
 # sonoloft_precompiled(<set> HEADERS ... [LIBS ...])

@@ -27,7 +27,10 @@ typedef SONOLOFT_VECTOR(int, SONOLOFT_WIDTH) Mask;  // -1 where true
 #endif
 
 #define splat(f) ((Real)(f))
+#define above(a, b) ((a) > (b))
+#define larger(a, b) pick((a) > (b), a, b)
 #define square_root(a) sqrt(a)
+#define inverse_root(a) rsqrt(a)
 #define magnitude(a) fabs(a)
 #if defined(FP_FAST_FMAF) || defined(__FMA__)
 #define multiply_add(a, b, c) fma(a, b, c)

@@ -1,8 +1,10 @@
 // The arithmetic of the field, read by both the OpenCL kernel and its CPU twin. Who includes it has defined
-//   Real, Mask                       numbers of the lanes side by side, and the outcome of comparing them
-//   pick(mask, a, b)                 per lane: mask ? a : b
+//   Real, Mask                       numbers of the lanes side by side, and the outcome of comparing them: &, !
+//   above(a, b), pick(mask, a, b)    per lane: a > b; mask ? a : b
+//   larger(a, b)                     pick(above(a, b), a, b)
 //   all_lanes(mask), any_lane(mask)  whether it holds in every lane, in one
-//   square_root(a), magnitude(a), splat(f), load(address), store(a, address), multiply_add(a, b, c) = a * b + c
+//   square_root(a), inverse_root(a) = 1 / sqrt(a), magnitude(a), splat(f), load(address), store(a, address)
+//   multiply_add(a, b, c)            a * b + c
 //   SONOLOFT_FUNCTION, SONOLOFT_GLOBAL   how a function is declared; the address space of the buffers
 // Formulas: docs/pipeline/4-field.md.
 
@@ -17,12 +19,13 @@ typedef struct FieldBuffers {
   SONOLOFT_GLOBAL float* share;
 } FieldBuffers;
 
-/// Angles from 0 to pi: theta / w with tan(theta) = w / v, w = sqrt(w2) > 0.
-SONOLOFT_FUNCTION Real any_angle_quotient(Real v, Real w2) {
-  const Real w = square_root(w2);
+/// Angles from 0 to pi: theta / w with tan(theta) = w / v, w = sqrt(w2) > 0. @param inverse  1 / v
+SONOLOFT_FUNCTION Real any_angle_quotient(Real v, Real w2, Real inverse) {
+  const Real inverse_w = inverse_root(w2);
+  const Real w = w2 * inverse_w;
   const Real flat = magnitude(v);
-  const Mask steep = w > flat;
-  const Real z = pick(steep, flat, w) / pick(steep, w, flat);
+  const Mask steep = above(w, flat);
+  const Real z = pick(steep, flat * inverse_w, w * magnitude(inverse));
   const Real z2 = z * z;
   Real p = multiply_add(z2, splat(-0.00469325574f), splat(0.0242523323f));
   p = multiply_add(z2, p, splat(-0.0594862962f));
@@ -33,8 +36,8 @@ SONOLOFT_FUNCTION Real any_angle_quotient(Real v, Real w2) {
   p = multiply_add(z2, p, splat(0.999999901f));
   Real angle = z * p;
   angle = pick(steep, splat(1.57079633f) - angle, angle);
-  angle = pick(v < splat(0.0f), splat(3.14159265f) - angle, angle);
-  return angle / w;
+  angle = pick(above(splat(0.0f), v), splat(3.14159265f) - angle, angle);
+  return angle * inverse_w;
 }
 
 /// The same, most often without root and arc tangent: nearly all edges are seen under less than 27 degrees. A lane's
@@ -47,9 +50,9 @@ SONOLOFT_FUNCTION Real angle_quotient(Real v, Real w2) {
   p = multiply_add(t2, p, splat(-0.333312673f));
   p = multiply_add(t2, p, splat(0.999999899f));
   const Real narrow_quotient = inverse * p;
-  const Mask narrow = (v > splat(0.0f)) & (t2 <= splat(0.25f));
+  const Mask narrow = above(v, splat(0.0f)) & above(splat(0.25f), t2);
   if (all_lanes(narrow)) return narrow_quotient;
-  return pick(narrow, narrow_quotient, any_angle_quotient(v, w2));
+  return pick(narrow, narrow_quotient, any_angle_quotient(v, w2, inverse));
 }
 
 /// Where the points see a face from.
@@ -63,7 +66,7 @@ SONOLOFT_FUNCTION Foot foot_on(SONOLOFT_GLOBAL const PackedFace* face, Real x, R
   foot.y = multiply_add(splat(face->vx), x, multiply_add(splat(face->vy), y, splat(face->vz) * z));
   const Real height = multiply_add(
       splat(face->nx), x, multiply_add(splat(face->ny), y, multiply_add(splat(face->nz), z, splat(face->height))));
-  foot.h = pick(height > splat(SONOLOFT_MIN_HEIGHT), height, splat(SONOLOFT_MIN_HEIGHT));
+  foot.h = larger(height, splat(SONOLOFT_MIN_HEIGHT));
   foot.h2 = foot.h * foot.h;
   return foot;
 }
@@ -86,7 +89,7 @@ SONOLOFT_FUNCTION Real sum_edges(SONOLOFT_GLOBAL const PackedEdge* edge, u32 cou
 SONOLOFT_FUNCTION Real displacement(SONOLOFT_GLOBAL const PackedVertex* vertex, Foot foot, Real reach) {
   const Real c = splat(vertex->curvature), fading = splat(vertex->fading);
   const Real a = splat(vertex->slope) * reach, fold = -(c * a);
-  const Real slow = splat(1.0f) + pick(fold > splat(0.0f), fold, splat(0.0f));
+  const Real slow = splat(1.0f) + larger(fold, splat(0.0f));
   const Real u2 = fading * fading * foot.h2;
   return multiply_add(c * foot.h2, slow, a + a) / (slow * multiply_add(u2, u2, splat(2.0f)));
 }
@@ -137,11 +140,11 @@ SONOLOFT_FUNCTION Real sum_stretches(SONOLOFT_GLOBAL const PackedStretch* stretc
     SONOLOFT_GLOBAL const PackedStretch* stretch = stretches + i;
     const Real dx = splat(stretch->x) - foot.x, dy = splat(stretch->y) - foot.y;
     const Real distance2 = multiply_add(dx, dx, multiply_add(dy, dy, foot.h2));
-    const Mask open = splat((float)i) >= next;
+    const Mask open = above(splat((float)i + 0.5f), next);
     const Mask far =
-        open & (distance2 > splat(stretch->least2)) &
-        (distance2 * distance2 * bar >
-         multiply_add(multiply_add(splat(stretch->bow), foot.h, splat(stretch->sway)), foot.h, splat(stretch->rest)));
+        open & above(distance2, splat(stretch->least2)) &
+        above(distance2 * distance2 * bar, multiply_add(multiply_add(splat(stretch->bow), foot.h, splat(stretch->sway)),
+                                                        foot.h, splat(stretch->rest)));
     const Mask near = open & !far;
     SONOLOFT_GLOBAL const PackedVertex* first = vertices + stretch->first;
     if (any_lane(far)) {
@@ -200,7 +203,7 @@ SONOLOFT_FUNCTION void write_shares(const FieldBuffers* buffers, PackedTask task
     if (face->bent_count == 0) continue;
     const Foot foot = foot_on(face, x, y, z);
     const Real of_face = load(weight + f * SONOLOFT_LANES) / total;
-    const Real reach = foot.h * square_root(pick(of_face > splat(0.0f), of_face, splat(0.0f)));
+    const Real reach = foot.h * square_root(larger(of_face, splat(0.0f)));
     SONOLOFT_GLOBAL const PackedRun* run = buffers->runs + face->first_run + face->rigid_count;
     for (u32 r = 0; r < face->bent_count; ++r, ++run) {
       const Real chain = run->stretch_count != 0

@@ -15,8 +15,47 @@ namespace {
 #define SONOLOFT_GLOBAL
 
 #if defined(__AVX512F__)
+// Comparisons have registers of their own here. The masked forms: gcc 12 warns of its own header in the plain ones.
 constexpr u32 kWidth = 16;
-#elif defined(__AVX2__)
+using Real = __m512;
+struct Mask {
+  __mmask16 lanes;
+};
+SONOLOFT_FUNCTION Mask operator&(Mask a, Mask b) {
+  return {static_cast<__mmask16>(a.lanes & b.lanes)};
+}
+SONOLOFT_FUNCTION Mask operator!(Mask a) {
+  return {static_cast<__mmask16>(~a.lanes)};
+}
+SONOLOFT_FUNCTION Mask above(Real a, Real b) {
+  return {_mm512_cmp_ps_mask(a, b, _CMP_GT_OQ)};
+}
+SONOLOFT_FUNCTION Real pick(Mask mask, Real a, Real b) {
+  return _mm512_mask_blend_ps(mask.lanes, b, a);
+}
+SONOLOFT_FUNCTION Real larger(Real a, Real b) {
+  return _mm512_maskz_max_ps(0xFFFF, a, b);
+}
+SONOLOFT_FUNCTION bool all_lanes(Mask mask) {
+  return mask.lanes == 0xFFFF;
+}
+SONOLOFT_FUNCTION bool any_lane(Mask mask) {
+  return mask.lanes != 0;
+}
+SONOLOFT_FUNCTION Real splat(float f) {
+  return _mm512_set1_ps(f);
+}
+SONOLOFT_FUNCTION Real square_root(Real a) {
+  return _mm512_maskz_sqrt_ps(0xFFFF, a);
+}
+SONOLOFT_FUNCTION Real magnitude(Real a) {
+  return _mm512_abs_ps(a);
+}
+SONOLOFT_FUNCTION Real multiply_add(Real a, Real b, Real c) {
+  return _mm512_fmadd_ps(a, b, c);
+}
+#else
+#if defined(__AVX2__)
 constexpr u32 kWidth = 8;
 #else
 constexpr u32 kWidth = 4;
@@ -24,36 +63,22 @@ constexpr u32 kWidth = 4;
 using Real = float __attribute__((vector_size(kWidth * sizeof(float))));
 using Mask = int __attribute__((vector_size(kWidth * sizeof(float))));  // -1 where true, 0 where false
 
-SONOLOFT_FUNCTION Real splat(float f) {
-  return Real{} + f;
+SONOLOFT_FUNCTION Mask above(Real a, Real b) {
+  return a > b;
 }
 SONOLOFT_FUNCTION Real pick(Mask mask, Real a, Real b) {
   return mask ? a : b;
 }
+SONOLOFT_FUNCTION Real larger(Real a, Real b) {
+  return a > b ? a : b;
+}
 SONOLOFT_FUNCTION Real magnitude(Real a) {
   return reinterpret_cast<Real>(reinterpret_cast<Mask>(a) & 0x7FFFFFFF);
 }
-SONOLOFT_FUNCTION void store(Real a, float* address) {
-  std::memcpy(address, &a, sizeof a);
+#if defined(__AVX2__)
+SONOLOFT_FUNCTION Real splat(float f) {
+  return _mm256_set1_ps(f);
 }
-SONOLOFT_FUNCTION Real load(const float* address) {
-  Real a;
-  std::memcpy(&a, address, sizeof a);
-  return a;
-}
-
-#if defined(__AVX512F__)
-SONOLOFT_FUNCTION bool all_lanes(Mask mask) {
-  return _mm512_cmplt_epi32_mask(reinterpret_cast<__m512i>(mask), _mm512_setzero_si512()) == 0xFFFF;
-}
-// The masked form: gcc 12 warns of its own header in the plain one.
-SONOLOFT_FUNCTION Real square_root(Real a) {
-  return _mm512_maskz_sqrt_ps(0xFFFF, a);
-}
-SONOLOFT_FUNCTION Real multiply_add(Real a, Real b, Real c) {
-  return _mm512_fmadd_ps(a, b, c);
-}
-#elif defined(__AVX2__)
 SONOLOFT_FUNCTION bool all_lanes(Mask mask) {
   return _mm256_movemask_ps(reinterpret_cast<__m256>(mask)) == 0xFF;
 }
@@ -64,6 +89,9 @@ SONOLOFT_FUNCTION Real multiply_add(Real a, Real b, Real c) {
   return _mm256_fmadd_ps(a, b, c);
 }
 #else
+SONOLOFT_FUNCTION Real splat(float f) {
+  return Real{f, f, f, f};
+}
 #if defined(__SSE2__)
 SONOLOFT_FUNCTION bool all_lanes(Mask mask) {
   return _mm_movemask_ps(reinterpret_cast<__m128>(mask)) == 0xF;
@@ -83,9 +111,21 @@ SONOLOFT_FUNCTION Real multiply_add(Real a, Real b, Real c) {
   return a * b + c;
 }
 #endif
-
 SONOLOFT_FUNCTION bool any_lane(Mask mask) {
   return !all_lanes(!mask);
+}
+#endif
+SONOLOFT_FUNCTION Real inverse_root(Real a) {
+  return splat(1.0f) / square_root(a);
+}
+
+SONOLOFT_FUNCTION void store(Real a, float* address) {
+  std::memcpy(address, &a, sizeof a);
+}
+SONOLOFT_FUNCTION Real load(const float* address) {
+  Real a;
+  std::memcpy(&a, address, sizeof a);
+  return a;
 }
 
 #include "core/kernels/field_sum.h"

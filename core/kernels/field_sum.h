@@ -58,6 +58,7 @@ SONOLOFT_FUNCTION Real angle_quotient(Real v, Real w2) {
 /// Where the points see a face from.
 typedef struct Foot {
   Real x, y, h, h2;
+  Real half_h2, half_h4;
 } Foot;
 
 SONOLOFT_FUNCTION Foot foot_on(SONOLOFT_GLOBAL const PackedFace* face, Real x, Real y, Real z) {
@@ -68,6 +69,8 @@ SONOLOFT_FUNCTION Foot foot_on(SONOLOFT_GLOBAL const PackedFace* face, Real x, R
       splat(face->nx), x, multiply_add(splat(face->ny), y, multiply_add(splat(face->nz), z, splat(face->height))));
   foot.h = larger(height, splat(SONOLOFT_MIN_HEIGHT));
   foot.h2 = foot.h * foot.h;
+  foot.half_h2 = splat(0.5f) * foot.h2;
+  foot.half_h4 = foot.half_h2 * foot.h2;
   return foot;
 }
 
@@ -87,11 +90,10 @@ SONOLOFT_FUNCTION Real sum_edges(SONOLOFT_GLOBAL const PackedEdge* edge, u32 cou
 
 /// How far a vertex moves. @param reach  h sqrt(share of the face)
 SONOLOFT_FUNCTION Real displacement(SONOLOFT_GLOBAL const PackedVertex* vertex, Foot foot, Real reach) {
-  const Real c = splat(vertex->curvature), fading = splat(vertex->fading);
-  const Real a = splat(vertex->slope) * reach, fold = -(c * a);
-  const Real slow = splat(1.0f) + larger(fold, splat(0.0f));
-  const Real u2 = fading * fading * foot.h2;
-  return multiply_add(c * foot.h2, slow, a + a) / (slow * multiply_add(u2, u2, splat(2.0f)));
+  const Real c = splat(vertex->curvature), a = splat(vertex->slope) * reach;
+  const Real slow = larger(multiply_add(-c, a, splat(1.0f)), splat(1.0f));
+  const Real fading = multiply_add(splat(vertex->fading4), foot.half_h4, splat(1.0f));
+  return multiply_add(c * foot.half_h2, slow, a) / (slow * fading);
 }
 
 /// Where the foot of a point sees a vertex that has moved.
@@ -107,27 +109,35 @@ SONOLOFT_FUNCTION Seen seen_from(SONOLOFT_GLOBAL const PackedVertex* vertex, Foo
   return seen;
 }
 
-/// D * q of the edge from a to b.
-SONOLOFT_FUNCTION Real edge_between(Seen a, Seen b, Foot foot) {
+/// sum + D * q of the edge from a to b.
+SONOLOFT_FUNCTION Real add_edge(Real sum, Seen a, Seen b, Foot foot) {
   const Real along_x = b.x - a.x, along_y = b.y - a.y;
   const Real cross = multiply_add(a.x, along_y, -(a.y * along_x));
   const Real length2 = multiply_add(along_x, along_x, along_y * along_y);
   const Real w2 = multiply_add(cross, cross, length2 * foot.h2);
   const Real v = multiply_add(a.x, b.x, multiply_add(a.y, b.y, foot.h2));
-  return cross * angle_quotient(v, w2);
+  return multiply_add(cross, angle_quotient(v, w2), sum);
 }
 
-/// The same as sum_edges() for the `count` edges between moved vertices.
-SONOLOFT_FUNCTION Real sum_bent_edges(SONOLOFT_GLOBAL const PackedVertex* vertex, u32 count, Foot foot, Real reach) {
-  Real sum = splat(0.0f);
-  Seen a = seen_from(vertex, foot, reach);
+/// sum + the same as sum_edges() for the `count` edges between moved vertices, the first of which is seen at *at; then
+/// the last one is.
+SONOLOFT_FUNCTION Real add_bent_edges(Real sum, SONOLOFT_GLOBAL const PackedVertex* vertex, u32 count, Foot foot,
+                                      Real reach, Seen* at) {
+  Seen a = *at;
   for (u32 i = 0; i < count; ++i) {
     ++vertex;
     const Seen b = seen_from(vertex, foot, reach);
-    sum = sum + edge_between(a, b, foot);
+    sum = add_edge(sum, a, b, foot);
     a = b;
   }
+  *at = a;
   return sum;
+}
+
+/// The same as sum_edges() for a chain between moved vertices.
+SONOLOFT_FUNCTION Real sum_bent_edges(SONOLOFT_GLOBAL const PackedVertex* vertex, u32 count, Foot foot, Real reach) {
+  Seen at = seen_from(vertex, foot, reach);
+  return add_bent_edges(splat(0.0f), vertex, count, foot, reach, &at);
 }
 
 /// The same for a chain in stretches: each lane takes two edges for those that are far from it, and what it gets does
@@ -135,7 +145,8 @@ SONOLOFT_FUNCTION Real sum_bent_edges(SONOLOFT_GLOBAL const PackedVertex* vertex
 SONOLOFT_FUNCTION Real sum_stretches(SONOLOFT_GLOBAL const PackedStretch* stretches, u32 count,
                                      SONOLOFT_GLOBAL const PackedVertex* vertices, Foot foot, Real reach, Real bar) {
   Real sum = splat(0.0f);
-  Real next = splat(0.0f);  // of each lane: the first stretch that it has not yet
+  Real next = splat(0.0f);                                        // of each lane: the first stretch that it has not yet
+  Seen at = seen_from(vertices + stretches->first, foot, reach);  // the first vertex of the stretch at hand
   for (u32 i = 0; i < count;) {
     SONOLOFT_GLOBAL const PackedStretch* stretch = stretches + i;
     const Real dx = splat(stretch->x) - foot.x, dy = splat(stretch->y) - foot.y;
@@ -147,19 +158,22 @@ SONOLOFT_FUNCTION Real sum_stretches(SONOLOFT_GLOBAL const PackedStretch* stretc
                                                         foot.h, splat(stretch->rest)));
     const Mask near = open & !far;
     SONOLOFT_GLOBAL const PackedVertex* first = vertices + stretch->first;
+    Seen end = at;
     if (any_lane(far)) {
       const Seen middle = seen_from(&stretch->middle, foot, reach);
-      const Real part = edge_between(seen_from(first, foot, reach), middle, foot) +
-                        edge_between(middle, seen_from(first + stretch->count, foot, reach), foot);
-      sum = sum + pick(far, part, splat(0.0f));
+      end = seen_from(first + stretch->count, foot, reach);
+      const Real both = add_edge(add_edge(splat(0.0f), at, middle, foot), middle, end, foot);
+      sum = pick(far, sum + both, sum);
       next = pick(far, splat((float)stretch->next), next);
     }
     if (!any_lane(near)) {
       i = stretch->next;
+      at = end;
       continue;
     }
     ++i;
-    if (stretch->next == i) sum = sum + pick(near, sum_bent_edges(first, stretch->count, foot, reach), splat(0.0f));
+    if (stretch->next != i) continue;
+    sum = pick(near, add_bent_edges(sum, first, stretch->count, foot, reach, &at), sum);
   }
   return sum;
 }

@@ -27,13 +27,13 @@ typedef struct PackedEdge {
 } PackedEdge;
 
 /// A vertex of a chain of edges that moves along (outward_x, outward_y) with the height over its face: by
-/// (2 a / (1 + max(-c a, 0)) + c h^2) / (2 + (fading h)^4), where a = slope h sqrt(share of the face), c = curvature.
+/// (2 a / (1 + max(-c a, 0)) + c h^2) / (2 + fading4 h^4), where a = slope h sqrt(share of the face), c = curvature.
 typedef struct PackedVertex {
   float x, y;
   float outward_x, outward_y;
   float slope;      ///< per height on the cell's side
   float curvature;  ///< one over the cell's size
-  float fading;     ///< one over the cell's size
+  float fading4;    ///< to the power of 4, one over the cell's size
 } PackedVertex;
 
 /// A stretch of a chain. After it come the stretches that it is halved into, if any. From afar two edges stand for it:

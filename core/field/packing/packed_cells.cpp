@@ -135,9 +135,10 @@ void PackedCells::add_edge(const Image& image, const Eigen::Vector2d& a, const E
 
 void PackedCells::add_vertex(const Image& image, const Eigen::Vector2d& point, const VertexBend& bend) {
   const Eigen::Vector2f at = image(point);
+  const double fading2 = std::pow(bend.fading_per_mm * image.unit_mm, 2);
   vertices_.push_back({at.x(), at.y(), bend.outward.x(), bend.outward.y(), image.side * bend.slope,
                        static_cast<float>(bend.curvature_per_mm * image.unit_mm),
-                       static_cast<float>(bend.fading_per_mm * image.unit_mm)});
+                       static_cast<float>(fading2 * fading2)});
 }
 
 /// Fills slotted_: the rigid edges first, then by slots; of these in the order in which they follow each other along

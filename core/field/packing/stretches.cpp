@@ -87,7 +87,7 @@ class Stretch {
 
   /// What the area gains as vertices move, less what it gains by a and b alone, is what the middle has to give.
   bool move_middle() {
-    double gain = 0, slope = 0, curvature = 0, fading = 0;
+    double gain = 0, slope = 0, curvature = 0, fading4 = 0;
     const auto add = [&](const PackedVertex& v, const Eigen::Vector2d& across) {
       const double g = cross(outward(v), across) / 2;
       gain += g, slope += g * v.slope, curvature += g * v.curvature;
@@ -96,13 +96,13 @@ class Stretch {
       const Eigen::Vector2d before = i == 0 ? m_ : at(chain_[i - 1]),
                             after = i + 1 < chain_.size() ? at(chain_[i + 1]) : m_;
       add(chain_[i], after - before);
-      fading += chain_[i].fading;
+      fading4 += chain_[i].fading4;
     }
     if (!(std::abs(gain) > 0.1 * chord_)) return false;
     const Eigen::Vector2d out = -2 * gain / chord_ * normal();
     middle_.outward_x = static_cast<float>(out.x()), middle_.outward_y = static_cast<float>(out.y());
     middle_.slope = static_cast<float>(slope / gain), middle_.curvature = static_cast<float>(curvature / gain);
-    middle_.fading = static_cast<float>(fading / static_cast<double>(chain_.size()));
+    middle_.fading4 = static_cast<float>(fading4 / static_cast<double>(chain_.size()));
     return true;
   }
 

@@ -14,7 +14,7 @@ cmake -S "$here" -B "$build" -G Ninja -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPI
 cmake --build "$build" >"$build/build.log" || { cat "$build/build.log"; exit 1; }
 
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(accept clock contour csl mesh recording replies requests sequence usbip)
+[ ${#targets[@]} -gt 0 ] || targets=(accept clock contour csl igtl mesh recording replies requests sequence usbip usbredir)
 for target in "${targets[@]}"; do
   mkdir -p "$build/corpus/$target" "$build/found"
   log="$build/$target.log"

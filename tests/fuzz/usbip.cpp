@@ -6,42 +6,13 @@
 
 #include "device_sim/port/usb/usb_device.h"
 #include "device_sim/port/usbip/usbip_wire.h"
-#include "protocol/block.h"
-#include "protocol/event.h"
 #include "tests/fuzz/input.h"
+#include "tests/fuzz/prompt_port.h"
 
 using namespace sonoloft;
 using namespace sonoloft::device_sim;
-using protocol::PortStatus;
 
 namespace {
-
-constexpr std::size_t kRecordLen = 700;
-
-/// Answers everything at once, so that every transfer ends.
-class PromptPort final : public protocol::Port {
- public:
-  ~PromptPort() = default;
-  protocol::PortTransfer control(std::span<const std::byte> request, std::span<std::byte> reply) override {
-    fuzz::demand(request.size() <= protocol::kMaxRequestLen && reply.size() >= protocol::kMaxRequestLen);
-    reply[0] = request[0];
-    return {PortStatus::ok, sizeof(protocol::ReplyHeader)};
-  }
-  protocol::PortTransfer read(std::span<std::byte> record, std::uint32_t) override {
-    fuzz::demand(record.size() >= kRecordLen);
-    return {PortStatus::ok, kRecordLen};
-  }
-  protocol::PortTransfer read_event(std::span<std::byte> event, std::uint32_t) override {
-    fuzz::demand(event.size() >= protocol::kEventLen);
-    return {PortStatus::ok, protocol::kEventLen};
-  }
-  protocol::PortTransfer write_block(std::span<const std::byte> block) override {
-    (void)protocol::parse_block(block);
-    return {PortStatus::ok, block.size()};
-  }
-  void cancel_reads() override {}
-  void allow_reads() override {}
-};
 
 class Host {
  public:
@@ -78,11 +49,11 @@ class Host {
     changed_.notify_all();
   }
 
-  PromptPort port_;
+  fuzz::PromptPort port_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::set<std::uint64_t> under_way_;
-  usb::UsbDevice device_{port_, {"FUZZ-1", kRecordLen}, [this](const usb::UrbDone& done) { complete(done); }};
+  usb::UsbDevice device_{port_, {"FUZZ-1", fuzz::kRecordLen}, [this](const usb::UrbDone& done) { complete(done); }};
 };
 
 }  // namespace

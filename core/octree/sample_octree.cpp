@@ -272,18 +272,18 @@ std::vector<BrickCoord> SampleOctree::State::smooth(const TouchedSamples& touche
     for (std::size_t n = first; n < last; ++n) changed[n] = smoother->smooth(bricks, bricks[items[n]]);
   });
   smoothed = items.size();
+  IndexSet differ;
+  for (const std::uint32_t index : contoured.items()) differ.add(index);
+  for (std::size_t n = 0; n < items.size(); ++n)
+    for (int i = 0; i < 8 && changed[n].any(); ++i) {
+      const std::uint32_t below = bricks[items[n]].around[beside(-(i & 1), -((i >> 1) & 1), -(i >> 2))];
+      if (below != kNoBrick && (changed[n] & corners_for_below(i & 1, (i >> 1) & 1, i >> 2)).any()) differ.add(below);
+    }
   std::vector<BrickCoord> result;
-  for (const std::uint32_t index : contoured.items()) result.push_back(bricks[index].coord);
-  for (std::size_t n = 0; n < items.size(); ++n) {
-    const WorkBrick& brick = bricks[items[n]];
-    const BrickCoord c = brick.coord;
-    for (int i = 0; i < 8; ++i)
-      if ((changed[n] & corners_for_below(i & 1, (i >> 1) & 1, i >> 2)).any())
-        result.push_back({c.x - (i & 1), c.y - ((i >> 1) & 1), c.z - (i >> 2)});
-    if (!brick.sampled.any() && brick.seeds() == 0) bricks.remove(items[n]);
-  }
+  for (const std::uint32_t index : differ.items()) result.push_back(bricks[index].coord);
   std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  for (const std::uint32_t index : items)
+    if (!bricks[index].sampled.any() && bricks[index].seeds() == 0) bricks.remove(index);
   return result;
 }
 
@@ -317,7 +317,9 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, cons
   }
   growth.prune();
   s.drop_unneeded(growth, touched);
-  for (const std::uint32_t index : touched.bricks()) s.bricks[index].shares.drop_empty_rows();
+  parallel_for(touched.bricks().size(), 64, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t n = first; n < last; ++n) s.bricks[touched.bricks()[n]].shares.drop_empty_rows();
+  });
   s.changed_cells.clear();
   s.new_contours.clear();
   s.unseeded.clear();

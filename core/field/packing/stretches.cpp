@@ -13,9 +13,9 @@ using kernels::PackedStretch;
 using kernels::PackedVertex;
 using kernels::u32;
 
-constexpr std::size_t kShortChain = 24, kShortStretch = 12;  ///< edges, measured: below that halving costs more
-constexpr double kLeastStraightness = 0.5;  ///< chord over length of a stretch that two edges stand for
-constexpr double kLeastDistance = 2;        ///< in radii of the stretch, wherever its moments vanish
+constexpr std::size_t kShortChain = 16, kShortStretch = 8;  ///< edges, measured: below that halving costs more
+constexpr double kLeastStraightness = 0.5;                  ///< chord over length of a stretch that two edges stand for
+constexpr double kLeastDistance = 2;                        ///< in radii of the stretch, wherever its moments vanish
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();

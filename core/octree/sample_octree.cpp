@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <tuple>
 
 #include "core/octree/background_news.h"
 #include "core/octree/bricks/brick_pool.h"
 #include "core/octree/bricks/index_set.h"
 #include "core/octree/bricks/octant_growth.h"
-#include "core/octree/grid_walk.h"
+#include "core/octree/contour_news.h"
 #include "core/octree/sampler.h"
 #include "core/octree/smoothing.h"
 #include "core/slice/parallel.h"
@@ -43,34 +41,19 @@ class TouchedSamples {
 
 struct SampleOctree::State {
   State(const Eigen::Vector3d& origin, double spacing)
-      : origin_mm(origin), spacing_mm(spacing), background(origin, spacing) {}
+      : origin_mm(origin), spacing_mm(spacing), contours(origin, spacing), background(origin, spacing) {}
 
   Eigen::Vector3d origin_mm;
   double spacing_mm;
+  ContourNews contours;
   BackgroundNews background;
   BrickPool bricks;
   std::vector<std::vector<std::uint32_t>> bricks_of_cell;  ///< [cell] bricks that may have samples in it
   std::size_t samples = 0;
   IndexSet changed_cells;  ///< noted since the last update
-  struct Contour {
-    Eigen::Vector3d a, b;  ///< reference, mm
-    Label lower, upper;
-    SliceId slice;
-  };
-  std::vector<Contour> new_contours;  ///< noted since the last update
-  IndexSet contoured;                 ///< bricks of which contours came or went since the last update
-  IndexSet unseeded;                  ///< bricks with octants through which contours ran, and may run no more
   ScratchPool<Smoother> smoothers;
 
   void seed_background(OctantGrowth& growth);
-  /// Hands the pieces of a contour to the bricks that it runs through, and switches on the octants.
-  /// @param near  the brick where the contour before ended, kNoBrick; out, where this one does
-  void trace(const Contour& contour, OctantGrowth& growth, std::uint32_t& near);
-  /// Forgets the contours of which the middle and the slice are taken.
-  template <class Taken>
-  void forget_contours(const Taken& taken);
-  /// Ascending by slice; those of one slice in an order that tells nothing of how they came.
-  void sort_contours();
   [[nodiscard]] SampleMask stale_in(const WorkBrick& brick) const;
   [[nodiscard]] std::vector<SampleJob> stale_jobs();
   void add_missing(OctantGrowth& growth, std::vector<SampleJob>& jobs, int threads) const;
@@ -84,81 +67,14 @@ SampleOctree::~SampleOctree() = default;
 SampleOctree::SampleOctree(SampleOctree&&) noexcept = default;
 SampleOctree& SampleOctree::operator=(SampleOctree&&) noexcept = default;
 
-void SampleOctree::State::trace(const Contour& contour, OctantGrowth& growth, std::uint32_t& near) {
-  const Eigen::Vector3d a = (contour.a - origin_mm) / spacing_mm, b = (contour.b - origin_mm) / spacing_mm;
-  walk_grid(a / kOctantCells, b / kOctantCells, [&](double from, double to) {
-    const Eigen::Vector3d p = a + from * (b - a), q = a + to * (b - a);
-    const Eigen::Vector3i at = (0.5 * (p + q) / kOctantCells).array().floor().cast<int>();
-    const Octant octant{at.x(), at.y(), at.z()};
-    if (near == kNoBrick || bricks[near].coord != octant.brick()) near = bricks.find_or_add(octant.brick());
-    WorkBrick& brick = bricks[near];
-    const Eigen::Vector3d base =
-        Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z).cast<double>() * kBrickSize;
-    brick.contours.push_back({(p - base).cast<float>(), (q - base).cast<float>(), contour.lower, contour.upper,
-                              contour.slice, from == 0.0, to == 1.0});
-    brick.contour_seeds |= octant.bit();
-    growth.activate(near, octant.bit());
-    contoured.add(near);
-  });
-}
-
 void SampleOctree::note(const CellComplex& cells, const CellComplex::Delta& delta) {
-  std::vector<CellFace> faces;
   for (const CellId cell : delta.divided) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
-  for (const CellId cell : delta.upper) {
-    cells.faces(cell, faces);
-    for (const CellFace& face : faces) {
-      if (face.plane != delta.plane) continue;
-      const auto lift = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
-        return *face.image_to_reference * Eigen::Vector3d(p.x(), p.y(), 0.0);
-      };
-      for (const FaceEdge& e : *face.polygon) {
-        if (e.right == kBeyondFace || e.left == kUnknown || e.right == kUnknown) continue;
-        const auto [lower, upper] = std::minmax({e.left, e.right});
-        state_->new_contours.push_back({lift(e.a), lift(e.b), lower, upper, delta.slice});
-      }
-    }
-  }
-}
-
-template <class Taken>
-void SampleOctree::State::forget_contours(const Taken& taken) {
-  std::erase_if(new_contours, [&](const Contour& c) { return taken(0.5 * (c.a + c.b), c.slice); });
-  for (const std::uint32_t index : bricks.indices()) {
-    WorkBrick& brick = bricks[index];
-    const Eigen::Vector3d base =
-        Eigen::Vector3i(brick.coord.x, brick.coord.y, brick.coord.z).cast<double>() * kBrickSize;
-    const auto middle = [&](const ContourPiece& piece) -> Eigen::Vector3d {
-      return base + 0.5 * (piece.a + piece.b).cast<double>();
-    };
-    const std::size_t gone = std::erase_if(brick.contours, [&](const ContourPiece& piece) {
-      return taken(origin_mm + spacing_mm * middle(piece), piece.slice);
-    });
-    if (gone == 0) continue;
-    contoured.add(index);
-    unseeded.add(index);
-    brick.contour_seeds = 0;
-    for (const ContourPiece& piece : brick.contours) {
-      const Eigen::Vector3d p = middle(piece) / kOctantCells;
-      const Eigen::Vector3i at = p.array().floor().cast<int>();
-      brick.contour_seeds |= Octant{at.x(), at.y(), at.z()}.bit();
-    }
-  }
+  state_->contours.add(cells, delta);
 }
 
 void SampleOctree::note(const CellComplex& cells, const CellComplex::Withdrawal& withdrawal) {
   for (const CellId cell : withdrawal.removed) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
-  std::vector<CellFace> faces;
-  for (const CellComplex::Withdrawal::Region& region : withdrawal.regions) {
-    cells.faces(region.restored, faces);
-    // Slices that bound the region are not inserted there again.
-    state_->forget_contours([&](const Eigen::Vector3d& p, SliceId slice) {
-      return std::all_of(faces.begin(), faces.end(), [&](const CellFace& face) {
-        const double z = (face.image_to_reference->inverse() * p).z();
-        return (face.above ? z : -z) > 0.0 && cells.slice_of(face.plane) != slice;
-      });
-    });
-  }
+  state_->contours.remove(cells, withdrawal, state_->bricks);
 }
 
 void SampleOctree::note(const Background& background, std::span<const BackgroundChange> changes) {
@@ -167,15 +83,6 @@ void SampleOctree::note(const Background& background, std::span<const Background
 
 void SampleOctree::note(std::span<const CellId> changed) {
   for (const CellId cell : changed) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
-}
-
-void SampleOctree::State::sort_contours() {
-  const auto key = [](const ContourPiece& c) {
-    return std::tuple(c.slice, c.a.x(), c.a.y(), c.a.z(), c.b.x(), c.b.y(), c.b.z(), c.lower, c.upper);
-  };
-  for (const std::uint32_t index : contoured.items())
-    std::sort(bricks[index].contours.begin(), bricks[index].contours.end(),
-              [&](const ContourPiece& l, const ContourPiece& r) { return key(l) < key(r); });
 }
 
 void SampleOctree::State::seed_background(OctantGrowth& growth) {
@@ -273,7 +180,7 @@ std::vector<BrickCoord> SampleOctree::State::smooth(const TouchedSamples& touche
   });
   smoothed = items.size();
   IndexSet differ;
-  for (const std::uint32_t index : contoured.items()) differ.add(index);
+  for (const std::uint32_t index : contours.bricks()) differ.add(index);
   for (std::size_t n = 0; n < items.size(); ++n)
     for (int i = 0; i < 8 && changed[n].any(); ++i) {
       const std::uint32_t below = bricks[items[n]].around[beside(-(i & 1), -((i >> 1) & 1), -(i >> 2))];
@@ -297,10 +204,7 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, cons
   TouchedSamples touched;
   std::vector<SampleJob> jobs = s.stale_jobs();
   s.seed_background(growth);
-  std::uint32_t near = kNoBrick;
-  for (const State::Contour& contour : s.new_contours) s.trace(contour, growth, near);
-  for (const std::uint32_t index : s.unseeded.items()) growth.unseed(index);
-  s.sort_contours();
+  s.contours.trace(s.bricks, growth);
   for (s.add_missing(growth, jobs, threads); !jobs.empty(); s.add_missing(growth, jobs, threads)) {
     for (const SampleJob& job : jobs)
       s.samples += static_cast<std::size_t>((job.samples - s.bricks[job.brick].sampled).count());
@@ -321,8 +225,6 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, cons
     for (std::size_t n = first; n < last; ++n) s.bricks[touched.bricks()[n]].shares.drop_empty_rows();
   });
   s.changed_cells.clear();
-  s.new_contours.clear();
-  s.unseeded.clear();
   s.background.clear_changes();
 
   Change change;
@@ -333,7 +235,7 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, cons
   const auto smoothing = Clock::now();
   change.bricks = s.smooth(touched, threads, change.smoothed_bricks);
   change.smooth_ms = ms_since(smoothing);
-  s.contoured.clear();
+  s.contours.clear_changes();
   return change;
 }
 

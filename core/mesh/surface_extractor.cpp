@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <span>
 #include <unordered_map>
 #include <utility>
 
@@ -20,6 +21,9 @@ using ChunkPtr = std::shared_ptr<const MeshChunk>;
 BrickCoord operator+(const BrickCoord& a, const BrickCoord& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
+BrickCoord operator-(const BrickCoord& a) {
+  return {-a.x, -a.y, -a.z};
+}
 
 /// In the order of the bits of mixed_faces().
 constexpr std::array<BrickCoord, 6> kBeside = {{{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
@@ -34,6 +38,9 @@ constexpr std::array<BrickCoord, 10> kDrawnFrom = {{{0, 0, 0},
                                                     {1, 0, 0},
                                                     {0, 1, 0},
                                                     {0, 0, 1}}};
+
+/// Of these the ones below itself, which with those opposite are all that a brick is asked for.
+constexpr std::size_t kBelow = 6;
 
 /// The sides of a brick, as in BrickNet::changed_sides(), that the chunk at -d from it is drawn from.
 unsigned sides_seen(const BrickCoord& d) {
@@ -51,7 +58,7 @@ struct BrickState {
   ChunkPtr chunk;  ///< null when no triangle
   std::uint32_t fans = 0;
   std::uint32_t collapsed_triangles = 0;
-  std::array<BrickState*, 27> around{};  ///< [NetGrid::index()] null where there is none
+  std::array<BrickState*, 27> around{};  ///< [NetGrid::index()] null where there is none or none is asked for
   std::uint32_t listed_in = 0;           ///< the last list that it was put on
 
   [[nodiscard]] BrickState* beside(const BrickCoord& d) const { return around[NetGrid::index(d.x, d.y, d.z)]; }
@@ -110,10 +117,12 @@ struct SurfaceExtractor::State {
     BrickState& state = it->second;
     if (!added) return state;
     state.coord = coord;
-    for (int i = 0; i < 27; ++i) {
-      const auto there = bricks.find(coord + BrickCoord{i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1});
-      if (there != bricks.end()) state.around[static_cast<std::size_t>(i)] = &there->second;
-    }
+    state.around[NetGrid::index(0, 0, 0)] = &state;
+    for (const BrickCoord& below : std::span(kDrawnFrom).subspan(1, kBelow))
+      for (const BrickCoord& d : {below, -below}) {
+        const auto there = bricks.find(coord + d);
+        if (there != bricks.end()) state.around[NetGrid::index(d.x, d.y, d.z)] = &there->second;
+      }
     name_to_neighbours(state, &state);
     return state;
   }
@@ -164,7 +173,7 @@ struct SurfaceExtractor::State {
       for (BrickState* state : *changed) {
         const unsigned sides = state->net.changed_sides();
         for (const BrickCoord& d : kDrawnFrom)
-          if ((sides_seen(d) & ~sides) == 0) put(state->beside({-d.x, -d.y, -d.z}), list);
+          if ((sides_seen(d) & ~sides) == 0) put(state->beside(-d), list);
       }
     return list;
   }
@@ -220,7 +229,7 @@ SurfaceExtractor::Counters SurfaceExtractor::counters() const {
   Counters counters;
   counters.bricks_read = state_->bricks_read;
   for (const auto& [coord, brick] : state_->bricks) {
-    counters.leaves += brick.net.cells().simple_cells.size() + brick.net.cells().complex_cells.size();
+    counters.leaves += brick.net.cells().simple.size() + brick.net.cells().complex_cells.size();
     counters.complex_cells += brick.net.cells().complex_cells.size();
     counters.fans += brick.fans;
     counters.collapsed_triangles += brick.collapsed_triangles;

@@ -32,11 +32,11 @@ std::uint32_t ChunkBuffer::add_vertex(LocalPoint at, unsigned kind, const BrickP
   return static_cast<std::uint32_t>(points_.size() - 1);
 }
 
-std::uint32_t ChunkBuffer::cell_vertex(LocalPoint cell, const CellPoint& point) {
-  const int at = cell.x + 1 + kCellSide * (cell.y + 1 + kCellSide * (cell.z + 1));
-  std::uint16_t& slot = cell_slots_[static_cast<std::size_t>(at)];
-  if (slot == 0) slot = static_cast<std::uint16_t>(add_vertex(cell, kCellVertex, cell + point) + 1);
-  return slot - 1u;
+std::uint32_t ChunkBuffer::add_cell_vertex(int place, const CellPoint& point) {
+  const LocalPoint cell{place % kPlaces[1] - 1, place / kPlaces[1] % kPlaces[1] - 1, place / kPlaces[2] - 1};
+  const std::uint32_t vertex = add_vertex(cell, kCellVertex, cell + point);
+  cell_slots_[static_cast<std::size_t>(place)] = static_cast<std::uint16_t>(vertex + 1);
+  return vertex;
 }
 
 std::shared_ptr<const MeshChunk> ChunkBuffer::finish(const LatticeFrame& frame,

@@ -15,8 +15,17 @@ class ChunkBuffer {
  public:
   void start(const BrickCoord& coord);
 
-  /// The index of the vertex of a cell, -1..8 in each axis.
-  std::uint32_t cell_vertex(LocalPoint cell, const CellPoint& point);
+  /// A cell, -1..8 in each axis, as a number, and from it to the next in each axis.
+  static constexpr std::array<int, 3> kPlaces = {1, kBrickSize + 2, (kBrickSize + 2) * (kBrickSize + 2)};
+  static constexpr int place(LocalPoint cell) {
+    return (cell.x + 1) * kPlaces[0] + (cell.y + 1) * kPlaces[1] + (cell.z + 1) * kPlaces[2];
+  }
+
+  /// The index of the vertex of the cell at a place.
+  std::uint32_t cell_vertex(int place, const CellPoint& point) {
+    const std::uint16_t slot = cell_slots_[static_cast<std::size_t>(place)];
+    return slot != 0 ? slot - 1u : add_cell_vertex(place, point);
+  }
 
   /// The index of the node of a simplex, whose lowest corner is 0..8 in each axis; `position` is called on first use.
   template <class Position>
@@ -48,16 +57,17 @@ class ChunkBuffer {
   [[nodiscard]] std::uint32_t collapsed_triangles() const;
 
  private:
-  static constexpr int kCellSide = kBrickSize + 2, kNodeSide = kBrickSize + 1;
+  static constexpr int kNodeSide = kBrickSize + 1;
   static constexpr std::size_t kNodeSlots = std::size_t{kNodeSide} * kNodeSide * kNodeSide * kSimplexKinds;
 
+  std::uint32_t add_cell_vertex(int place, const CellPoint& point);
   std::uint32_t add_vertex(LocalPoint at, unsigned kind, const BrickPoint& point);
 
   MeshChunk chunk_;
-  std::vector<BrickPoint> points_;                                           ///< [#V]
-  std::array<std::uint16_t, kCellSide * kCellSide * kCellSide> cell_slots_;  ///< index + 1, or 0
-  std::vector<std::uint32_t> node_slots_;                                    ///< index + 1, or 0; [0] until needed
-  std::vector<std::size_t> used_nodes_;                                      ///< slots to clear
+  std::vector<BrickPoint> points_;                                 ///< [#V]
+  std::array<std::uint16_t, kPlaces[1] * kPlaces[2]> cell_slots_;  ///< index + 1, or 0
+  std::vector<std::uint32_t> node_slots_;                          ///< index + 1, or 0; [0] until needed
+  std::vector<std::size_t> used_nodes_;                            ///< slots to clear
 };
 
 }  // namespace sonoloft

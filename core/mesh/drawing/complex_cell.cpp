@@ -138,7 +138,7 @@ void draw_complex_cell(const CellSamples& samples, const NetGrid& nets, LocalPoi
     const LocalPoint beside{cell.x + (axis == 0 ? direction : 0), cell.y + (axis == 1 ? direction : 0),
                             cell.z + (axis == 2 ? direction : 0)};
     const CellPoint* vertex = drawer.is_mixed(face) ? nets.vertex(beside) : nullptr;
-    if (vertex) drawer.draw_cone(chunk.cell_vertex(beside, *vertex), axis, direction > 0);
+    if (vertex) drawer.draw_cone(chunk.cell_vertex(ChunkBuffer::place(beside), *vertex), axis, direction > 0);
   }
 }
 

@@ -1,7 +1,7 @@
 #include "core/mesh/drawing/edge_quad.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
+#include <cstdlib>
 
 #include "core/mesh/drawing/complex_cell.h"
 
@@ -14,16 +14,12 @@ std::int64_t cross(const Corner& a, const Corner& b) {
   return std::int64_t{a[0]} * b[1] - std::int64_t{a[1]} * b[0];
 }
 
-/// Both triangles of the quad c0 c1 c2 c3 with diagonal c0 c2 stay in the envelope.
-bool inside_envelope(const Corner& c0, const Corner& c1, const Corner& c2, const Corner& c3) {
+/// Both triangles of the quad with the diagonal from corner `first` stay in the envelope.
+bool inside_envelope(const EdgeQuad& quad, std::size_t first) {
   // Seen along the edge, the diagonal passes the edge on the side of c_j; the triangle with c_k covers the edge.
-  std::int64_t turn = cross(c0, c2);
-  const bool left = turn >= 0;
-  const Corner& a = left ? c0 : c2;
-  const Corner& b = left ? c2 : c0;
-  const Corner& k = left ? c3 : c1;
-  const Corner& j = left ? c1 : c3;
-  if (!left) turn = -turn;
+  const std::int64_t to_left = cross(quad[first], quad[first + 2]), turn = std::abs(to_left);
+  const std::size_t start = first + (to_left >= 0 ? 0 : 2);  // an index, not a branch that no one can foretell
+  const Corner &a = quad[start % 4], &j = quad[(start + 1) % 4], &b = quad[(start + 2) % 4], &k = quad[(start + 3) % 4];
   // Barycentric coordinates of the edge in (a, b, k) are cross(b, k), cross(k, a), turn: it is met within its ends.
   const std::int64_t bk = cross(b, k), ka = cross(k, a);
   const std::int64_t height = bk * a[2] + ka * b[2] + turn * k[2];
@@ -35,52 +31,80 @@ bool inside_envelope(const Corner& c0, const Corner& c1, const Corner& c2, const
   return turn < det && turn * j[2] < at_j && at_j < turn * j[2] + (det - turn) * kStep;
 }
 
-Eigen::Vector3f vector(const Corner& from, const Corner& to) {
-  return {static_cast<float>(to[0] - from[0]), static_cast<float>(to[1] - from[1]),
-          static_cast<float>(to[2] - from[2])};
-}
-
-/// Squared sine of the smallest angle of a triangle with two sides ab, ac.
-float sharpness(const Eigen::Vector3f& ab, const Eigen::Vector3f& ac) {
-  const float l0 = ab.squaredNorm(), l1 = ac.squaredNorm(), l2 = (ac - ab).squaredNorm();
+/// Squared sines of the smallest angles of the triangles 012, 023, 123, 130.
+Real sharpness(const EdgeQuad& q) {
+  Real side[2][3];  // from the first corner of each triangle to both others
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int32_t p0 = q[0][axis], p1 = q[1][axis], p2 = q[2][axis], p3 = q[3][axis];
+    const Integer first = {p0, p0, p1, p1}, second = {p1, p2, p2, p3}, third = {p2, p3, p3, p0};
+    side[0][axis] = __builtin_convertvector(second - first, Real);
+    side[1][axis] = __builtin_convertvector(third - first, Real);
+  }
+  const auto norm2 = [](Real x, Real y, Real z) { return x * x + (y * y + z * z); };
+  const auto& [x0, y0, z0] = side[0];
+  const auto& [x1, y1, z1] = side[1];
+  const Real l0 = norm2(x0, y0, z0), l1 = norm2(x1, y1, z1), l2 = norm2(x1 - x0, y1 - y0, z1 - z0);
   // The smallest angle lies between the two longer sides, whose product times its sine is twice the area.
-  return ab.cross(ac).squaredNorm() * std::min({l0, l1, l2}) / (l0 * l1 * l2);
+  const Real area2 = norm2(y0 * z1 - z0 * y1, z0 * x1 - x0 * z1, x0 * y1 - y0 * x1);
+  const Real least = l1 < l0 ? l1 : l0;
+  return area2 * (l2 < least ? l2 : least) / (l0 * l1 * l2);
 }
 
 /// The four cells around a lattice edge, counter-clockwise.
 struct Ring {
-  LocalPoint lower;  ///< lower end of the edge
-  std::array<LocalPoint, 4> cell;
+  std::array<int, 4> place;                ///< ChunkBuffer::place() of the cell
   std::array<const CellPoint*, 4> vertex;  ///< null where the cell is not simple
   EdgeQuad quad;                           ///< of those that are
 
-  Ring(const NetGrid& nets, const MixedEdge& edge) : lower(local_point(edge.cell)) {
+  Ring(const NetGrid& nets, const MixedEdge& edge) {
     const std::size_t w = edge.axis, u = (w + 1) % 3, v = (w + 2) % 3;
+    // To the cells below in u and in v, which may lie in the brick before: steps between nets and within them.
+    const Step below_u(edge.cell, u), below_v(edge.cell, v);
+    const Step none, both = below_u + below_v;
+    const std::array<const Step*, 4> to = {&none, &below_u, &both, &below_v};
+    const int own = ChunkBuffer::place(local_point(edge.cell));
     for (std::size_t i = 0; i < 4; ++i) {
-      const int du = i == 1 || i == 2 ? -1 : 0, dv = i >= 2 ? -1 : 0;
-      std::array<int, 3> at = {lower.x, lower.y, lower.z};
-      at[u] += du;
-      at[v] += dv;
-      cell[i] = {at[0], at[1], at[2]};
-      vertex[i] = nets.vertex(cell[i]);
-      if (const CellPoint* p = vertex[i]) quad[i] = {(*p)[u] + du * kStep, (*p)[v] + dv * kStep, (*p)[w]};
+      const BrickNet* net = nets.nets[static_cast<std::size_t>(kOwnNet + to[i]->net)];
+      place[i] = own + to[i]->place;
+      vertex[i] = net ? net->vertex(static_cast<std::size_t>(edge.cell + to[i]->cell)) : nullptr;
+      const int du = i == 1 || i == 2 ? -kStep : 0, dv = i >= 2 ? -kStep : 0;
+      if (const CellPoint* p = vertex[i]) quad[i] = {(*p)[u] + du, (*p)[v] + dv, (*p)[w]};
     }
   }
+
+ private:
+  static constexpr int kOwnNet = NetGrid::index(0, 0, 0);
+  struct Step {
+    int net = 0, cell = 0, place = 0;
+
+    Step() = default;
+    /// To the cell below one.
+    Step(int cell_index, std::size_t axis) {
+      constexpr std::array<int, 3> kNets = {1, 3, 9};
+      const int stride = 1 << (3 * axis);
+      const bool first = (cell_index >> (3 * axis) & 7) == 0;
+      net = first ? -kNets[axis] : 0;
+      cell = first ? stride * (kBrickSize - 1) : -stride;
+      place = -ChunkBuffer::kPlaces[axis];
+    }
+    Step operator+(const Step& other) const {
+      Step sum;
+      sum.net = net + other.net;
+      sum.cell = cell + other.cell;
+      sum.place = place + other.place;
+      return sum;
+    }
+  };
 };
 
 }  // namespace
 
 std::optional<int> safe_diagonal(const EdgeQuad& quad) {
-  const auto& [c0, c1, c2, c3] = quad;
-  const bool safe02 = inside_envelope(c0, c1, c2, c3);
-  const bool safe13 = inside_envelope(c1, c2, c3, c0);
+  const bool safe02 = inside_envelope(quad, 0), safe13 = inside_envelope(quad, 1);
   if (!safe02 && !safe13) return std::nullopt;
   if (safe02 != safe13) return safe02 ? 0 : 1;
-  const Eigen::Vector3f c01 = vector(c0, c1), c02 = vector(c0, c2), c03 = vector(c0, c3);
-  const Eigen::Vector3f c12 = c02 - c01, c13 = c03 - c01;
-  const float sharp02 = std::min(sharpness(c01, c02), sharpness(c02, c03));
-  const float sharp13 = std::min(sharpness(c12, c13), sharpness(c13, -c01));
-  return sharp02 >= sharp13 ? 0 : 1;
+  const Real sharp = sharpness(quad);
+  return std::min(sharp[0], sharp[1]) >= std::min(sharp[2], sharp[3]) ? 0 : 1;
 }
 
 bool draw_edge(const NetGrid& nets, const MixedEdge& edge, ChunkBuffer& chunk) {
@@ -88,7 +112,7 @@ bool draw_edge(const NetGrid& nets, const MixedEdge& edge, ChunkBuffer& chunk) {
   const auto draw = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {  // counter-clockwise about the edge
     chunk.add_triangle(a, b, c, edge.upper, edge.lower);
   };
-  const auto corner = [&](std::size_t i) { return chunk.cell_vertex(ring.cell[i % 4], *ring.vertex[i % 4]); };
+  const auto corner = [&](std::size_t i) { return chunk.cell_vertex(ring.place[i % 4], *ring.vertex[i % 4]); };
   const bool all_simple = std::find(ring.vertex.begin(), ring.vertex.end(), nullptr) == ring.vertex.end();
   if (all_simple) {
     if (const auto diagonal = safe_diagonal(ring.quad)) {

@@ -1,48 +1,13 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/mesh/lattice_position.h"
-#include "core/mesh/vertices/contour_snap.h"
-#include "core/mesh/vertices/sample_block.h"
+#include "core/mesh/vertices/brick_cells.h"
 
 namespace sonoloft {
-
-/// An edge of the lattice whose ends differ in label. It belongs to the brick of its lower end.
-struct MixedEdge {
-  std::uint16_t cell;  ///< sample_index of the lower end
-  std::uint16_t axis;
-  Label lower, upper;
-  std::uint16_t crossing;  ///< where the labels meet: 1/65536 of the way from the lower end
-  friend bool operator==(const MixedEdge&, const MixedEdge&) = default;
-};
-
-/// What its own samples and the layer above say about the cells of one brick: all that is drawn from them. Only mixed
-/// cells with 8 sampled corners.
-struct BrickCells {
-  std::vector<std::uint16_t> slot;           ///< [kBrickSamples] index into simple_cells, or kNoSlot; [0] if #S = 0
-  std::vector<std::uint16_t> simple_cells;   ///< [#S] sample_index, ascending
-  std::vector<std::uint16_t> complex_cells;  ///< [#C] sample_index, ascending
-  std::vector<CellSamples> complex_samples;  ///< [#C] 0 beyond label_count
-  std::vector<MixedEdge> edges;              ///< those that the brick owns
-  std::vector<CellPoint> placed;             ///< [#S] vertices
-  std::vector<std::uint8_t> pull;            ///< [#S] faces towards whose cells the vertex is drawn
-  std::vector<std::uint8_t> equations;       ///< [#S] 0..kMaxEquations
-  std::vector<float> gaps;                   ///< [sum of equations][8]
-  std::vector<ContourSpan> spans;            ///< of the contours, ascending by cell
-
-  static constexpr std::uint16_t kNoSlot = 0xFFFF;
-  void clear();
-  [[nodiscard]] bool same_as(const BrickCells& other) const;  ///< in every byte
-};
-
-/// Room to work in for BrickNet::read(), used again for brick after brick.
-struct ReadScratch {
-  SampleBlock block;
-  BrickCells cells;
-  std::vector<LabelPair> pairs;  ///< [#S] both kNotSampled where there are more than two
-};
 
 /// The cells of one brick, and their vertices smoothed against those of the cells beside them.
 class BrickNet {
@@ -61,21 +26,38 @@ class BrickNet {
   [[nodiscard]] unsigned changed_sides() const { return changed_sides_; }
 
   [[nodiscard]] const BrickCells& cells() const { return cells_; }
-  [[nodiscard]] bool empty() const { return cells_.simple_cells.empty() && cells_.complex_cells.empty(); }
+  [[nodiscard]] bool empty() const { return cells_.simple.empty() && cells_.complex_cells.empty(); }
   /// The finished vertex of a cell by its sample_index, null when the cell is not simple.
-  [[nodiscard]] const CellPoint* vertex(std::size_t cell) const { return vertex_in(relaxed_, cell); }
+  [[nodiscard]] const CellPoint* vertex(std::size_t cell) const {
+    const std::uint16_t slot = cells_.slot[cell];
+    return slot == BrickCells::kNoSlot ? nullptr : &relaxed_[slot].vertex;
+  }
 
  private:
-  [[nodiscard]] const CellPoint* vertex_in(const std::vector<CellPoint>& vertices, std::size_t cell) const {
-    const std::uint16_t slot = cells_.slot.empty() ? BrickCells::kNoSlot : cells_.slot[cell];
-    return slot == BrickCells::kNoSlot ? nullptr : &vertices[slot];
+  struct RelaxedCell {
+    std::uint16_t index;  ///< sample_index
+    CellPoint vertex;
+    friend bool operator==(const RelaxedCell&, const RelaxedCell&) = default;
+  };
+  /// The vertices of the cells beside those of one GapLanes that draw on theirs, relative to the cell, in 1/65536
+  /// steps.
+  struct Pulls {
+    Integer sum[3];
+    Integer count;
+  };
+  [[nodiscard]] const CellPoint* placed(std::size_t cell) const {
+    const std::uint16_t slot = cells_.slot[cell];
+    return slot == BrickCells::kNoSlot ? nullptr : &cells_.simple[slot].placed;
   }
-  [[nodiscard]] unsigned sides_of_change(const std::vector<CellPoint>& relaxed) const;
-  bool mean_beside(std::size_t s, const std::array<const BrickNet*, 6>& beside, Eigen::Vector3f& mean) const;
+  void find_pulls(const SimpleCell& cell, const std::array<const BrickNet*, 6>& beside, std::size_t lane,
+                  Pulls& pulls) const;
+  /// Relaxes the cells of one GapLanes, whose lines are the first of `lines`, and drops those from it.
+  void relax_lanes(std::size_t block, const std::array<const BrickNet*, 6>& beside, std::span<const LineGaps>& lines);
+  void put_on_contours();
+  [[nodiscard]] unsigned sides_of_change(const std::vector<RelaxedCell>& before) const;
 
   BrickCells cells_;
-  std::vector<CellPoint> relaxed_;            ///< [#relaxed_cells_]
-  std::vector<std::uint16_t> relaxed_cells_;  ///< sample_index, ascending; simple_cells when relaxed_ was made
+  std::vector<RelaxedCell> relaxed_;  ///< ascending; as many as cells_.simple when they were relaxed
   unsigned changed_sides_ = 0;
 };
 

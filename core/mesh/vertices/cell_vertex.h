@@ -1,8 +1,5 @@
 #pragma once
-#include <array>
-#include <cstdint>
-
-#include "core/mesh/vertices/sample_block.h"
+#include "core/mesh/vertices/cell_samples.h"
 
 namespace sonoloft {
 
@@ -15,38 +12,29 @@ namespace sonoloft {
 [[nodiscard]] unsigned mixed_faces(const CellSamples& cell);
 
 /// The edges along an axis whose ends differ in label: a bit set of their lower ends.
-[[nodiscard]] unsigned mixed_edges(const CellSamples& cell, unsigned axis);
+inline unsigned mixed_edges(const CellSamples& cell, unsigned axis) {
+  constexpr std::array<unsigned, 3> kLower = {0x55, 0x33, 0x0F};
+  unsigned mixed = 0;
+  for (std::size_t i = 1; i < static_cast<std::size_t>(cell.label_count); ++i)
+    mixed |= cell.corners[i] ^ static_cast<unsigned>(cell.corners[i]) >> (1u << axis);
+  return mixed & kLower[axis];
+}
 
-/// Where the labels of two corners that differ are equally strong on the line between them: 0 at `lower`, 1 at `upper`,
-/// kept 0.01 inside, since no two simplices may share a node; the middle where the samples do not say. Depends on the
-/// samples of these two corners alone, so that every cell with this line finds the same bits. Exact beside a slice that
-/// the border crosses in a straight line, at whatever angle (docs/pipeline/6-mesh.md).
+/// Where a gap between two labels vanishes between two corners where one and the other is the stronger: 0 at `lower`,
+/// 1 at `upper`, kept 0.01 inside, since no two simplices may share a node; the middle where the samples do not say.
+/// The same bits, whichever of both labels is first.
+/// @tparam T  float, or Real to compute all lanes
+template <class T>
+T zero_between(T lower, T upper) {
+  const T least = T{} + 0.01F, most = T{} + (1 - 0.01F);
+  const T t = lower / (lower - upper), size = t < 0 ? -t : t;
+  const T above = t < least ? least : t, inside = above > most ? most : above;
+  return size <= 1e6F ? inside : T{} + 0.5F;  // 0/0, NaN: the samples do not say
+}
+
+/// Where the labels of two corners that differ are equally strong on the line between them, see zero_between(). Depends
+/// on the samples of these two corners alone, so that every cell with this line finds the same bits. Exact beside a
+/// slice that the border crosses in a straight line, at whatever angle (docs/pipeline/6-mesh.md).
 [[nodiscard]] float crossing(const CellSamples& cell, unsigned lower, unsigned upper);
-
-/// A vertex is moved towards the places where all gaps are zero, at most 2: f_0 - f_k, k = 1..equations, each as a
-/// function that is linear near slices too.
-inline constexpr int kMaxEquations = 2;
-using Gaps = std::array<std::array<float, 8>, kMaxEquations>;  ///< [equation][corner]
-
-/// The equations of a simple cell: labels - 1 of them, or none if that is too many (the vertex then stays in the mean
-/// of its crossings).
-[[nodiscard]] int gaps_of(const CellSamples& cell, Gaps& gaps);
-
-/// The same of a cell whose gaps are known.
-[[nodiscard]] float crossing(const CellSamples& cell, const Gaps& gaps, unsigned lower, unsigned upper);
-
-/// A position in lattice steps from the cell's lowest corner, and back: it is then kept 0.03 inside of the cell.
-[[nodiscard]] Eigen::Vector3f to_steps(const CellPoint& point);
-[[nodiscard]] CellPoint to_cell_point(const Eigen::Vector3f& steps);
-
-/// Mean of the crossings on the edges, then one Newton step.
-[[nodiscard]] CellPoint place_vertex(const CellSamples& cell, const Gaps& gaps, int equations);
-
-/// Moves 0.85 of the way to `mean` (relative to the cell, in lattice steps), then one Newton step.
-[[nodiscard]] CellPoint relax_vertex(const CellPoint& vertex, const Eigen::Vector3f& mean, const float* gaps,
-                                     int equations);
-
-/// The direction in which the first gap grows at a vertex, of length 1; 0 where it grows nowhere.
-[[nodiscard]] Eigen::Vector3f normal_at(const CellPoint& vertex, const float* gaps);
 
 }  // namespace sonoloft

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/mesh/vertices/brick_net.h"
-#include "core/mesh/vertices/cell_vertex.h"
+#include "core/mesh/vertices/brick_cells.h"
 #include "core/octree/grid_walk.h"
 
 namespace sonoloft {
@@ -44,8 +43,8 @@ void spans_of(std::span<const ContourPiece> contours, std::span<const std::uint1
   std::ranges::stable_sort(spans, {}, &ContourSpan::slot);
 }
 
-CellPoint put_on_contour(std::span<const ContourSpan> spans, const CellPoint& vertex, const float* gaps) {
-  const Eigen::Vector3f at = to_steps(vertex), normal = normal_at(vertex, gaps);
+CellPoint put_on_contour(std::span<const ContourSpan> spans, const CellPoint& vertex, const Gap& gap) {
+  const Eigen::Vector3f at = to_steps(vertex), normal = normal_at(vertex, gap);
   float least = std::numeric_limits<float>::infinity(), cut_off = kCutOff;
   Eigen::Vector3f nearest = at, corner = at;
   for (const ContourSpan& span : spans) {

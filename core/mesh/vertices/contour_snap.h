@@ -5,7 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/lattice_position.h"
+#include "core/mesh/vertices/cell_lanes.h"
+#include "core/mesh/vertices/sample_block.h"
 
 namespace sonoloft {
 
@@ -16,9 +17,6 @@ struct ContourSpan {
   std::array<float, 3> a, b;
   std::uint32_t ends;  ///< bit 0: a, bit 1: b is an end of an edge of the contour, not only of this piece
 };
-
-/// The labels of a cell that has just two, ascending.
-using LabelPair = std::array<Label, 2>;
 
 /// What of some contours runs through the cells of a brick.
 /// @param slot    [kBrickSamples] see BrickCells
@@ -31,7 +29,7 @@ void spans_of(std::span<const ContourPiece> contours, std::span<const std::uint1
 /// farthest from the surface; else on the nearest point; the first of equals.
 /// @param spans   those of the cell, at least one
 /// @param vertex  on the surface
-/// @param gaps    [8] those of the cell
-[[nodiscard]] CellPoint put_on_contour(std::span<const ContourSpan> spans, const CellPoint& vertex, const float* gaps);
+/// @param gap     that of the cell
+[[nodiscard]] CellPoint put_on_contour(std::span<const ContourSpan> spans, const CellPoint& vertex, const Gap& gap);
 
 }  // namespace sonoloft

@@ -1,109 +1,113 @@
 #include "core/mesh/vertices/sample_block.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace sonoloft {
 namespace {
 
-/// Rows of fixed length, so that each is a few plain moves.
-template <int kLength, class T>
-void copy_rows(int ny, int nz, const T* source, T absent, T* target) {
-  for (int z = 0; z < nz; ++z) {
-    for (int y = 0; y < ny; ++y) {
-      T* row = target + SampleBlock::index(0, y, z);
-      if (source)
-        std::copy_n(source + sample_index(0, y, z), kLength, row);
-      else
-        std::fill_n(row, kLength, absent);
-    }
-  }
-}
+constexpr std::array<float, kBrickSamples> kNoShares{};
+constexpr auto kFar = [] {
+  std::array<float, kBrickSamples> far{};
+  far.fill(kFarFromSlices);
+  return far;
+}();
 
-/// Copies the part of one value per sample that a brick contributes: `source` is null where it contributes `absent`.
-/// Brick `which` is on the upper side in x, y, z where bit 0, 1, 2 is set, and gives one layer there.
-template <class T>
-void copy_part(unsigned which, const T* source, T absent, T* block) {
+/// Calls visit(source, target) for every row along x that brick `which` contributes to a block: of kBrickSize samples,
+/// or of one where it lies on the upper side in x. It gives one layer where it is on the upper side in y or z.
+template <class Visit>
+void for_rows(unsigned which, const Visit& visit) {
   const LocalPoint upper = corner_of({0, 0, 0}, which);
   const int ny = upper.y ? 1 : kBrickSize, nz = upper.z ? 1 : kBrickSize;
-  T* target = block + SampleBlock::index(upper.x * kBrickSize, upper.y * kBrickSize, upper.z * kBrickSize);
-  if (upper.x)
-    copy_rows<1>(ny, nz, source, absent, target);
-  else
-    copy_rows<kBrickSize>(ny, nz, source, absent, target);
+  const int first = BlockGrid::index(upper.x * kBrickSize, upper.y * kBrickSize, upper.z * kBrickSize);
+  for (int z = 0; z < nz; ++z)
+    for (int y = 0; y < ny; ++y) visit(sample_index(0, y, z), first + BlockGrid::index(0, y, z));
 }
 
 }  // namespace
 
-void CellSamples::sort_labels(const std::array<Label, 8>& corner_labels) {
-  label_count = 0;
-  for (unsigned rest = 0xFF; rest != 0;) {
-    const Label next = corner_labels[static_cast<std::size_t>(std::countr_zero(rest))];
-    unsigned having = 0;
-    for (unsigned c = 0; c < 8; ++c) having |= (corner_labels[c] == next ? 1u : 0u) << c;
-    rest &= ~having;
-    auto at = static_cast<std::size_t>(label_count++);
-    for (; at > 0 && label[at - 1] > next; --at) {
-      label[at] = label[at - 1];
-      corners[at] = corners[at - 1];
-    }
-    label[at] = next;
-    corners[at] = static_cast<std::uint8_t>(having);
-  }
-  owner.fill(0);
-  for (std::size_t i = 1; i < static_cast<std::size_t>(label_count); ++i)
-    for (unsigned c = 0; c < 8; ++c) owner[c] = static_cast<std::uint8_t>((corners[i] >> c & 1) != 0 ? i : owner[c]);
-}
-
-void SampleBlock::select(const SampleLattice& lattice, const BrickCoord& coord) {
-  planes_of_.clear();
-  for (unsigned which = 0; which < 8; ++which) {
+bool SampleBlock::select(const SampleLattice& lattice, const BrickCoord& coord) {
+  used_planes_ = 0;
+  shares_.clear();
+  bricks_[0] = lattice.find(coord);
+  if (!bricks_[0]) return false;
+  for (unsigned which = 1; which < 8; ++which) {
     const LocalPoint at = corner_of({0, 0, 0}, which);
     bricks_[which] = lattice.find({coord.x + at.x, coord.y + at.y, coord.z + at.z});
-    const Brick* brick = bricks_[which];
-    copy_part(which, brick ? brick->label.data() : nullptr, kNotSampled, labels_.data());
-    copy_part(which, brick && !brick->slice_steps.empty() ? brick->slice_steps.data() : nullptr, kFarFromSlices,
-              slice_steps_.data());
+    if (!bricks_[which]) continue;
+    // A column of labels lies on every cache line of a brick: wait for all of them at once.
+    for (std::size_t i = 0; i < kBrickSamples; i += 64 / sizeof(Label)) __builtin_prefetch(&bricks_[which]->label[i]);
   }
-}
-
-void SampleBlock::cell_labels(LocalPoint cell, CellSamples& samples) const {
-  const Label* lowest = labels_.data() + index(cell.x, cell.y, cell.z);
-  std::array<Label, 8> corners;
-  for (std::size_t c = 0; c < 8; ++c) corners[c] = lowest[kCorner[c]];
-  samples.sort_labels(corners);
-}
-
-void SampleBlock::cell_shares(LocalPoint cell, CellSamples& samples) {
-  const float* lowest_steps = slice_steps_.data() + index(cell.x, cell.y, cell.z);
-  for (std::size_t c = 0; c < 8; ++c) samples.slice_steps[c] = lowest_steps[kCorner[c]];
-  for (std::size_t i = 0; i < static_cast<std::size_t>(samples.label_count); ++i) {
-    const float* lowest = plane_of(samples.label[i]) + index(cell.x, cell.y, cell.z);
-    for (std::size_t c = 0; c < 8; ++c) samples.share[i][c] = lowest[kCorner[c]];
-  }
-}
-
-const float* SampleBlock::plane_of(Label label) {
-  std::size_t plane = 0;
-  while (plane < planes_of_.size() && planes_of_[plane] != label) ++plane;
-  if (plane == planes_of_.size()) {
-    planes_of_.push_back(label);
-    if (planes_.size() < (plane + 1) * kPoints) planes_.resize((plane + 1) * kPoints);
-    read_plane(label, planes_.data() + plane * kPoints);
-  }
-  return planes_.data() + plane * kPoints;
-}
-
-void SampleBlock::read_plane(Label label, float* plane) const {
+  BlockLabels labels;
   for (unsigned which = 0; which < 8; ++which) {
-    const float* source = nullptr;
-    if (const Brick* brick = bricks_[which]) {
-      const auto found = std::lower_bound(brick->palette.begin(), brick->palette.end(), label);
-      if (found != brick->palette.end() && *found == label)
-        source = brick->share.data() + (found - brick->palette.begin()) * kBrickSamples;
-    }
-    copy_part(which, source, 0.0F, plane);
+    const LocalPoint at = corner_of({0, 0, 0}, which);
+    const Brick* brick = bricks_[which];
+    for_rows(which, [&](int source, int target) {
+      const int length = at.x ? 1 : kBrickSize;
+      if (!brick)
+        std::fill_n(labels.data() + target, length, kNotSampled);
+      else
+        std::copy_n(brick->label.data() + source, length, labels.data() + target);
+    });
   }
+  rows_.read(labels);
+  return true;
+}
+
+const float* SampleBlock::add_gap_plane(const LabelPair& pair) {
+  if (used_planes_ == planes_.size()) planes_.emplace_back();
+  Plane& plane = planes_[used_planes_++];
+  plane.pair = pair;
+  const auto lower = shares_of(pair.lower), upper = shares_of(pair.upper);
+  for (unsigned which = 0; which < 8; ++which) {
+    const float *first = lower[which], *second = upper[which], *steps = slice_steps_of(which);
+    for_rows(which, [&](int source, int target) {
+      const unsigned asked = rows_.corners_of_mixed(target / BlockGrid::kSide) >> target % BlockGrid::kSide;
+      if (asked == 0) return;
+      float* gap = plane.gap.data() + target;
+      if ((which & 1) != 0)
+        *gap = way_to_border(first[source] - second[source], steps[source]);
+      else
+        for (int x = 0; x < kBrickSize; x += static_cast<int>(kLanes)) {
+          const int at = source + x;
+          store(way_to_border(load(first + at) - load(second + at), load(steps + at)), gap + x);
+        }
+    });
+  }
+  return plane.gap.data();
+}
+
+void SampleBlock::find_shares(LocalPoint cell, CellSamples& samples) {
+  std::array<std::size_t, 8> brick, sample;
+  for (unsigned c = 0; c < 8; ++c) {
+    const LocalPoint at = corner_of(cell, c);
+    brick[c] = static_cast<std::size_t>(at.x >> 3 | at.y >> 3 << 1 | at.z >> 3 << 2);
+    sample[c] = static_cast<std::size_t>(sample_index(at.x & 7, at.y & 7, at.z & 7));
+    samples.slice_steps[c] = slice_steps_of(brick[c])[sample[c]];
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(samples.label_count); ++i) {
+    const auto& shares = shares_of(samples.label[i]);
+    for (std::size_t c = 0; c < 8; ++c) samples.share[i][c] = shares[brick[c]][sample[c]];
+  }
+}
+
+const std::array<const float*, 8>& SampleBlock::shares_of(Label label) {
+  const auto known = std::ranges::find(shares_, label, &Shares::label);
+  if (known != shares_.end()) return known->of_brick;
+  Shares& added = shares_.emplace_back(Shares{label, {}});
+  for (std::size_t which = 0; which < 8; ++which) {
+    added.of_brick[which] = kNoShares.data();
+    const Brick* brick = bricks_[which];
+    if (!brick) continue;
+    const auto found = std::ranges::lower_bound(brick->palette, label);
+    if (found != brick->palette.end() && *found == label)
+      added.of_brick[which] = brick->share.data() + (found - brick->palette.begin()) * kBrickSamples;
+  }
+  return added.of_brick;
+}
+
+const float* SampleBlock::slice_steps_of(std::size_t which) const {
+  const Brick* brick = bricks_[which];
+  return brick && !brick->slice_steps.empty() ? brick->slice_steps.data() : kFar.data();
 }
 
 }  // namespace sonoloft

@@ -3,55 +3,57 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh/lattice_position.h"
+#include "core/mesh/vertices/cell_samples.h"
+#include "core/mesh/vertices/label_rows.h"
 
 namespace sonoloft {
 
-/// What a cell is decided from: the labels of its 8 corners, the shares of those labels in all corners, and how far
-/// these are from the nearest slice.
-struct CellSamples {
-  int label_count;                            ///< 1..8
-  std::array<Label, 8> label;                 ///< [label_count] ascending
-  std::array<std::uint8_t, 8> corners;        ///< [label_count] bit set of the corners with that label
-  std::array<std::uint8_t, 8> owner;          ///< [8] index into label of each corner
-  std::array<std::array<float, 8>, 8> share;  ///< [label_count][8]
-  std::array<float, 8> slice_steps;           ///< see Brick
-
-  /// Fills everything but the shares and the distances.
-  void sort_labels(const std::array<Label, 8>& corner_labels);
+/// Two labels, ascending.
+struct LabelPair {
+  Label lower, upper;
+  friend bool operator==(const LabelPair&, const LabelPair&) = default;
 };
 
-/// The samples of a brick and of the first layers of the bricks above it, 0..8 in each axis: all corners of its cells.
-/// Flat arrays, gathered once; x runs fastest.
+/// The samples of a block, see BlockGrid: flat arrays, gathered once.
 class SampleBlock {
  public:
-  static constexpr int kSide = kBrickSize + 1;
-  static constexpr int kLayer = kSide * kSide;
-  static constexpr int kPoints = kSide * kLayer;
-  static constexpr int index(int x, int y, int z) { return x + kSide * y + kLayer * z; }
-  /// From a cell's lowest corner to its corner c.
-  static constexpr std::array<int, 8> kCorner = {0,      1,          kSide,          kSide + 1,  // index() of (0..1)^3
-                                                 kLayer, kLayer + 1, kLayer + kSide, kLayer + kSide + 1};
+  /// Reads the labels of a brick; the shares are read when they are asked for. False if there is no brick.
+  bool select(const SampleLattice& lattice, const BrickCoord& coord);
 
-  /// Reads the labels of a brick; the shares of a label are read when they are asked for.
-  void select(const SampleLattice& lattice, const BrickCoord& coord);
+  /// Which labels are where; kNotSampled where there is no brick.
+  [[nodiscard]] const LabelRows& rows() const { return rows_; }
 
-  /// All labels; kNotSampled where there is no brick.
-  [[nodiscard]] const std::array<Label, kPoints>& labels() const { return labels_; }
+  /// The way to the border between two labels from every corner of a mixed cell: positive where the first is the
+  /// stronger.
+  const float* gap_plane(const LabelPair& pair) {
+    for (std::size_t i = 0; i < used_planes_; ++i)
+      if (planes_[i].pair == pair) return planes_[i].gap.data();
+    return add_gap_plane(pair);
+  }
 
-  /// The labels of a cell of the brick, 0..7 in each axis, and then the shares and the distances from slices.
-  void cell_labels(LocalPoint cell, CellSamples& samples) const;
-  void cell_shares(LocalPoint cell, CellSamples& samples);
+  /// Fills in the shares and the distances from slices of a cell whose labels are known.
+  void find_shares(LocalPoint cell, CellSamples& samples);
 
  private:
-  const float* plane_of(Label label);
-  void read_plane(Label label, float* plane) const;
+  /// Where the shares of a label are in each of the bricks.
+  struct Shares {
+    Label label;
+    std::array<const float*, 8> of_brick;  ///< [kBrickSamples] each
+  };
+  struct Plane {
+    LabelPair pair;
+    std::array<float, BlockGrid::kPoints> gap;
+  };
+  const float* add_gap_plane(const LabelPair& pair);
+  /// Valid until it is asked for another label.
+  const std::array<const float*, 8>& shares_of(Label label);
+  [[nodiscard]] const float* slice_steps_of(std::size_t which) const;
 
-  std::array<const Brick*, 8> bricks_{};
-  std::array<Label, kPoints> labels_{};
-  std::array<float, kPoints> slice_steps_{};
-  std::vector<Label> planes_of_;  ///< [#planes] labels whose shares were read so far
-  std::vector<float> planes_;     ///< [>= #planes][kPoints] shares; 0 where the label does not occur
+  std::array<const Brick*, 8> bricks_{};  ///< on the upper side in x, y, z where bit 0, 1, 2 of the index is set
+  LabelRows rows_;
+  std::vector<Shares> shares_;   ///< that were asked for
+  std::size_t used_planes_ = 0;  ///< for this brick
+  std::vector<Plane> planes_;
 };
 
 }  // namespace sonoloft

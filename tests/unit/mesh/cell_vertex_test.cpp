@@ -25,22 +25,21 @@ Eigen::Vector3d corner(unsigned c) {
 /// angle under which the border is seen beside the slice's normal.
 CellSamples samples_of(const Passage& passage, bool with_distances) {
   CellSamples cell{};
-  std::array<Label, 8> labels;
-  std::array<std::array<float, 8>, 2> share;
+  cell.label_count = 2;
+  cell.label = {kOutside, 1};
   const Eigen::Vector3d& n = passage.slice_normal;
   const Eigen::Vector3d across = passage.surface_normal - passage.surface_normal.dot(n) * n;
   for (unsigned c = 0; c < 8; ++c) {
     const double height = std::abs(passage.height(corner(c)));
     const double away = (passage.surface_normal.dot(corner(c)) - passage.surface_offset) / across.norm();
     const double sine = away / std::hypot(away, height);
-    share[0][c] = static_cast<float>((1 - sine) / 2);
-    share[1][c] = static_cast<float>((1 + sine) / 2);
-    labels[c] = sine > 0 ? Label{1} : kOutside;
+    cell.share[0][c] = static_cast<float>((1 - sine) / 2);
+    cell.share[1][c] = static_cast<float>((1 + sine) / 2);
+    cell.owner[c] = sine > 0 ? 1 : 0;
+    cell.corners[cell.owner[c]] |= static_cast<std::uint8_t>(1u << c);
     cell.slice_steps[c] =
         with_distances ? static_cast<float>(std::min<double>(height, kFarFromSlices)) : kFarFromSlices;
   }
-  cell.sort_labels(labels);
-  std::copy_n(share.begin(), 2, cell.share.begin());
   return cell;
 }
 

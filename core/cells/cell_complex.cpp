@@ -106,36 +106,31 @@ void CellComplex::locate(const Eigen::AlignedBox3d& bounds, std::span<const Eige
                          std::vector<std::uint32_t>& order, std::vector<CellPoints>& groups) const {
   const Eigen::Vector3d middle = bounds.center();
   const Eigen::Vector3d reach = 0.5 * bounds.sizes() + Eigen::Vector3d::Constant(1e-9 * store_->scale);
-  struct Job {
-    std::int32_t node;
-    std::uint32_t first, last;
-  };
   order.resize(points.size());
   std::iota(order.begin(), order.end(), 0u);
   groups.clear();
-  std::vector<Job> stack{{store_->root, 0, static_cast<std::uint32_t>(points.size())}};
-  while (!stack.empty()) {
-    Job job = stack.back();
-    stack.pop_back();
-    while (job.node >= 0 && job.first < job.last) {
-      const TreeNode& n = store_->nodes[static_cast<std::size_t>(job.node)];
+  const auto descend = [&](const auto& self, std::int32_t node, std::uint32_t first, std::uint32_t last) -> void {
+    while (node >= 0 && first < last) {
+      const TreeNode& n = store_->nodes[static_cast<std::size_t>(node)];
       const Plane& plane = store_->planes[n.plane];
       const double s = plane.distance(middle);
       const double r = plane.normal.cwiseAbs().dot(reach);
       if (s > r || s < -r) {
-        job.node = n.child[s > 0.0 ? 1 : 0];
+        node = n.child[s > 0.0 ? 1 : 0];
         continue;
       }
-      const auto begin = order.begin() + job.first;
-      const auto above = std::partition(begin, order.begin() + job.last,
-                                        [&](std::uint32_t i) { return plane.distance(points[i]) < 0.0; });
-      const auto split_at = job.first + static_cast<std::uint32_t>(above - begin);
-      stack.push_back({n.child[1], split_at, job.last});
-      job = {n.child[0], job.first, split_at};
+      std::uint32_t split_at = first;
+      for (std::uint32_t i = first; i < last; ++i) {  // no branches: half of them would be mispredicted
+        std::swap(order[i], order[split_at]);
+        split_at += plane.distance(points[order[split_at]]) < 0.0 ? 1 : 0;
+      }
+      self(self, n.child[0], first, split_at);
+      node = n.child[1];
+      first = split_at;
     }
-    if (job.first < job.last)
-      groups.push_back({CellId{static_cast<std::uint32_t>(~job.node)}, job.first, job.last - job.first});
-  }
+    if (first < last) groups.push_back({CellId{static_cast<std::uint32_t>(~node)}, first, last - first});
+  };
+  descend(descend, store_->root, 0, static_cast<std::uint32_t>(points.size()));
 }
 
 void CellComplex::locate_rows(std::span<const PointRow> rows, std::vector<RowPiece>& pieces,

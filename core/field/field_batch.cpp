@@ -1,6 +1,5 @@
 #include "core/field/field_batch.h"
 
-#include <algorithm>
 #include <cassert>
 #include <limits>
 
@@ -36,21 +35,6 @@ std::uint32_t FieldBatch::add_block(std::uint32_t cell, std::uint32_t count) {
   blocks.push_back({cell, count, u32(first_point), u32(share_count), u32(stride)});
   share_count += slots * stride;
   return u32(blocks.size() - 1);
-}
-
-void FieldBatch::set_points(std::uint32_t block, std::uint32_t first, std::span<const Eigen::Vector3d> points_mm) {
-  const FieldBlock& b = blocks[block];
-  assert(first + points_mm.size() <= b.count);
-  const bool last = first + points_mm.size() == b.count;  // the last point fills up the last lanes
-  const std::size_t count = last ? b.stride - first : points_mm.size();
-  const Eigen::Vector3d& centre_mm = cells.centre_mm(b.cell);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3f p = (points_mm[std::min(i, points_mm.size() - 1)] - centre_mm).cast<float>();
-    const std::size_t at = std::size_t{b.first_point} + first + i;
-    x[at] = p.x();
-    y[at] = p.y();
-    z[at] = p.z();
-  }
 }
 
 }  // namespace sonoloft

@@ -1,5 +1,7 @@
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
+#include <cassert>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -37,11 +39,27 @@ struct FieldBatch {
   std::uint32_t add_block(std::uint32_t cell, std::uint32_t count);
   /// Fills points of a block from its point `first` on; all of them before evaluate(). They lie in the cell or within
   /// rounding of it, all finite. Threads: any number at a time, for different points.
-  void set_points(std::uint32_t block, std::uint32_t first, std::span<const Eigen::Vector3d> points_mm);
+  /// @param point  of a number below count, an Eigen::Vector3f from the centre of the cell
+  template <class Point>
+  void set_points(std::uint32_t block, std::uint32_t first, std::uint32_t count, const Point& point) {
+    const FieldBlock& b = blocks[block];
+    assert(first + count <= b.count);
+    const std::uint32_t filled = first + count == b.count ? b.stride - first : count;  // last lanes: the last point
+    for (std::uint32_t i = 0; i < filled; ++i) {
+      const Eigen::Vector3f p = point(std::min(i, count - 1));
+      const std::size_t at = std::size_t{b.first_point} + first + i;
+      x[at] = p.x();
+      y[at] = p.y();
+      z[at] = p.z();
+    }
+  }
   /// A block of these points. @return its index
   std::uint32_t add_points(std::uint32_t cell, std::span<const Eigen::Vector3d> points_mm) {
-    const std::uint32_t block = add_block(cell, static_cast<std::uint32_t>(points_mm.size()));
-    set_points(block, 0, points_mm);
+    const auto count = static_cast<std::uint32_t>(points_mm.size());
+    const std::uint32_t block = add_block(cell, count);
+    const Eigen::Vector3d& centre_mm = cells.centre_mm(cell);
+    set_points(block, 0, count,
+               [&](std::size_t i) -> Eigen::Vector3f { return (points_mm[i] - centre_mm).cast<float>(); });
     return block;
   }
 

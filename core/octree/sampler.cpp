@@ -54,22 +54,37 @@ Result<void> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs
       WorkBrick& brick = bricks[jobs[j].brick];
       brick.forget(jobs[j].samples & brick.sampled);
       for (std::size_t g = first_group[j]; g < first_group[j + 1]; ++g) store(brick, groups_[g], *scratch);
+      brick.renamed = jobs[j].samples;
+      name_labels(jobs[j].samples, brick.shares.palette, brick.shares.share, brick.label);
     }
   });
   return {};
 }
 
-void Sampler::positions_mm(BrickCoord brick, std::span<const std::uint16_t> samples,
-                           std::vector<Eigen::Vector3d>& out) const {
-  out.clear();
-  for (const std::uint16_t i : samples) out.push_back(position_mm(brick, i));
+Sampler::Axes Sampler::axes_mm(BrickCoord brick) const {
+  const std::array<std::int32_t, 3> coord = {brick.x, brick.y, brick.z};
+  Axes axes;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (int i = 0; i < kBrickSize; ++i)
+      axes[axis][static_cast<std::size_t>(i)] =
+          origin_mm_[static_cast<Eigen::Index>(axis)] + spacing_mm_ * (kBrickSize * coord[axis] + i);
+  return axes;
+}
+
+void Sampler::positions_mm(const Axes& axes, std::span<const std::uint16_t> samples,
+                           std::vector<Eigen::Vector3d>& out) {
+  out.resize(samples.size());
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    out[k] = {axes[0][samples[k] & 7u], axes[1][samples[k] >> 3 & 7u], axes[2][samples[k] >> 6]};
 }
 
 void Sampler::locate(const SampleJob& job, BrickCoord brick, Scratch& scratch, Located& out) const {
   scratch.index.clear();
   job.samples.for_each([&](int i) { scratch.index.push_back(static_cast<std::uint16_t>(i)); });
-  positions_mm(brick, scratch.index, scratch.points_mm);
-  const Eigen::AlignedBox3d bounds(position_mm(brick, 0), position_mm(brick, kBrickSamples - 1));
+  const Axes axes = axes_mm(brick);
+  positions_mm(axes, scratch.index, scratch.points_mm);
+  const Eigen::AlignedBox3d bounds(Eigen::Vector3d(axes[0].front(), axes[1].front(), axes[2].front()),
+                                   Eigen::Vector3d(axes[0].back(), axes[1].back(), axes[2].back()));
   cells_.locate(bounds, scratch.points_mm, scratch.order, out.cells);
   out.index.resize(scratch.order.size());
   for (std::size_t i = 0; i < out.index.size(); ++i) out.index[i] = scratch.index[scratch.order[i]];
@@ -126,26 +141,48 @@ Result<void> Sampler::evaluate(const BrickPool& bricks, const std::vector<Sample
   }
   if (batch_.blocks.empty()) return {};
   parallel_for(groups_.size(), 64, threads_, [&](std::size_t first, std::size_t last) {
-    const auto scratch = scratches_.take();
     for (std::size_t g = first; g < last; ++g) {
       Group& group = groups_[g];
       group.block = block[group.packed];
       if (group.block == kNoBlock) continue;
-      positions_mm(bricks[jobs[group.job].brick].coord, samples_of(group), scratch->points_mm);
-      batch_.set_points(group.block, group.lane, scratch->points_mm);
+      const Axes axes = axes_mm(bricks[jobs[group.job].brick].coord);
+      const Eigen::Vector3d& centre = batch_.cells.centre_mm(group.packed);
+      std::array<std::array<float, kBrickSize>, 3> from_centre;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        for (std::size_t i = 0; i < kBrickSize; ++i)
+          from_centre[axis][i] = static_cast<float>(axes[axis][i] - centre[static_cast<Eigen::Index>(axis)]);
+      const std::span<const std::uint16_t> index = samples_of(group);
+      batch_.set_points(group.block, group.lane, group.count, [&](std::size_t k) {
+        return Eigen::Vector3f(from_centre[0][index[k] & 7u], from_centre[1][index[k] >> 3 & 7u],
+                               from_centre[2][index[k] >> 6]);
+      });
     }
   });
   return evaluator_.evaluate(batch_);
 }
 
+/// What the samples of a group have of the label of a slot.
+const float* Sampler::shares(const Group& group, std::size_t slot) const {
+  static constexpr std::array<float, kBrickSamples> kAll = [] {
+    std::array<float, kBrickSamples> all{};
+    all.fill(1.0f);
+    return all;
+  }();
+  if (group.block == kNoBlock) return kAll.data();
+  return batch_.row(group.block, static_cast<std::uint32_t>(slot)).data() + group.lane;
+}
+
 /// Measures how far samples are from the slices that bound their cell, and marks those within one spacing.
 void Sampler::pin(WorkBrick& brick, const Group& group) const {
-  const Eigen::Vector3d lowest = position_mm(brick.coord, 0);
+  const Eigen::Vector3d lowest =
+      origin_mm_ +
+      spacing_mm_ * Eigen::Vector3d(kBrickSize * brick.coord.x, kBrickSize * brick.coord.y, kBrickSize * brick.coord.z);
   const Eigen::Vector3d centre = lowest + Eigen::Vector3d::Constant(0.5 * spacing_mm_ * (kBrickSize - 1));
+  const std::span<const std::uint16_t> index = samples_of(group);
   const Range range = pins_of_packed_[group.packed];
   std::vector<float>& before = brick.smooth.slice_steps;
   std::array<float, kBrickSamples> steps;
-  for (const std::uint16_t k : samples_of(group)) steps[k] = kFarFromSlices;
+  std::fill_n(steps.begin(), index.size(), kFarFromSlices);
   bool any_near = !before.empty();
   for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
     const PinPlane& plane = pins_[i];
@@ -153,18 +190,23 @@ void Sampler::pin(WorkBrick& brick, const Group& group) const {
     if (std::abs(plane.normal.dot(centre) + plane.offset_mm) > reach + 1.001 * kFarFromSlices * spacing_mm_) continue;
     any_near = true;
     const double at_lowest = (plane.normal.dot(lowest) + plane.offset_mm) / spacing_mm_;
-    for (const std::uint16_t k : samples_of(group)) {
-      const double away = at_lowest + plane.normal.dot(Eigen::Vector3d(k & 7, k >> 3 & 7, k >> 6));
+    Axes climb;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t x = 0; x < kBrickSize; ++x)
+        climb[axis][x] = plane.normal[static_cast<Eigen::Index>(axis)] * static_cast<double>(x);
+    for (std::size_t k = 0; k < index.size(); ++k) {
+      const double away =
+          at_lowest + (climb[0][index[k] & 7u] + climb[1][index[k] >> 3 & 7u] + climb[2][index[k] >> 6]);
       steps[k] = std::min(steps[k], static_cast<float>(std::abs(away)));
     }
   }
   if (!any_near) return;
   before.resize(kBrickSamples, kFarFromSlices);
-  for (const std::uint16_t k : samples_of(group)) {
-    if (steps[k] < 1) brick.pinned.set(k);
-    if (steps[k] == before[k]) continue;
-    before[k] = steps[k];
-    brick.slices_moved.set(k);
+  for (std::size_t k = 0; k < index.size(); ++k) {
+    const std::size_t at = index[k];
+    brick.pinned.layer[at >> 6] |= std::uint64_t{steps[k] < 1} << (at & 63);
+    brick.slices_moved.layer[at >> 6] |= std::uint64_t{steps[k] != before[at]} << (at & 63);
+    before[at] = steps[k];
   }
 }
 
@@ -173,69 +215,16 @@ void Sampler::store(WorkBrick& brick, const Group& group, Scratch& scratch) cons
   const std::span<const Label> labels = batch_.cells.labels(group.packed);
   const bool partly_unknown = labels.back() == kUnknown;
   if (partly_unknown) brick.smooth.unmeasured.resize(kBrickSamples, 0.0f);  // and 0 at these samples: forget()
-  for (std::uint32_t slot = 0; slot < labels.size(); ++slot) {
+  for (std::size_t slot = 0; slot < labels.size(); ++slot) {
     float* row = labels[slot] == kUnknown ? brick.smooth.unmeasured.data() : brick.shares.row(labels[slot]);
-    for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += share(group, slot, k);
+    const float* share = shares(group, slot);
+    for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += share[k];
   }
   if (partly_unknown) fill_unmeasured(brick, group, scratch);
-  std::array<float, kBrickSamples> best;
-  std::fill_n(best.begin(), index.size(), -1.0f);
-  for (std::size_t row = 0; row < brick.shares.palette.size(); ++row) {
-    const float* share = brick.shares.share.data() + row * kBrickSamples;
-    for (std::size_t k = 0; k < index.size(); ++k) {
-      if (share[index[k]] <= best[k]) continue;
-      best[k] = share[index[k]];
-      brick.label[index[k]] = brick.shares.palette[row];
-    }
-  }
   SampleMask samples;
   for (const std::uint16_t i : index) samples.set(i);
   brick.add(cell_of_packed_[group.packed], samples);
   pin(brick, group);
-}
-
-/// f = known shares + unmeasured share * what fills it (docs/pipeline/9-background.md).
-void Sampler::fill_unmeasured(WorkBrick& brick, const Group& group, Scratch& scratch) const {
-  const std::span<const std::uint16_t> index = samples_of(group);
-  PointShares& filling = scratch.filling;
-  positions_mm(brick.coord, index, scratch.points_mm);
-  scratch.filled.clear();
-  for (const std::uint16_t i : index) scratch.filled.push_back(brick.smooth.unmeasured[i]);
-  fill_from_rims(brick, group, scratch);
-  if (fill_.shares) {
-    fill_.shares(CellId{cell_of_packed_[group.packed]}, scratch.points_mm, filling);
-  } else {
-    filling.labels.assign(1, kOutside);
-    filling.share.assign(index.size(), 1.0f);
-  }
-  for (std::size_t l = 0; l < filling.labels.size(); ++l) {
-    const float* share = filling.share.data() + l * index.size();
-    float* row = brick.shares.row(filling.labels[l]);
-    for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += scratch.filled[k] * share[k];
-  }
-}
-
-/// In the unknown part of a wall a rim weighs its labels against the rest: these get B / (1 + sum of B) of it.
-void Sampler::fill_from_rims(WorkBrick& brick, const Group& group, Scratch& scratch) const {
-  const std::span<const std::uint16_t> index = samples_of(group);
-  const Range range = rims_of_packed_[group.packed];
-  const std::size_t first_slot = batch_.cells.labels(group.packed).size() - range.count;
-  for (std::uint32_t r = 0; r < range.count; ++r) {
-    PointWeights& rim = scratch.rim;
-    rims_[range.first + r]->weigh(scratch.points_mm, rim);
-    for (std::size_t k = 0; k < index.size(); ++k) {
-      float total = 1;
-      for (std::size_t i = k; i < rim.weight.size(); i += index.size()) total += rim.weight[i];
-      const float each = share(group, first_slot + r, k) / total;
-      for (std::size_t i = k; i < rim.weight.size(); i += index.size()) rim.weight[i] *= each;
-      scratch.filled[k] -= each * (total - 1);
-    }
-    for (std::size_t l = 0; l < rim.labels.size(); ++l) {
-      float* row = brick.shares.row(rim.labels[l]);
-      for (std::size_t k = 0; k < index.size(); ++k) row[index[k]] += rim.weight[l * index.size() + k];
-    }
-  }
-  for (float& share : scratch.filled) share = std::max(share, 0.0f);  // below by rounding
 }
 
 }  // namespace sonoloft

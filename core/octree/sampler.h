@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -75,20 +76,16 @@ class Sampler {
   [[nodiscard]] std::span<const std::uint16_t> samples_of(const Group& group) const {
     return {located_[group.job].index.data() + group.first, group.count};
   }
-  [[nodiscard]] Eigen::Vector3d position_mm(BrickCoord brick, int sample) const {
-    return origin_mm_ + spacing_mm_ * Eigen::Vector3d(kBrickSize * brick.x + (sample & 7),
-                                                      kBrickSize * brick.y + (sample >> 3 & 7),
-                                                      kBrickSize * brick.z + (sample >> 6));
-  }
-  void positions_mm(BrickCoord brick, std::span<const std::uint16_t> samples, std::vector<Eigen::Vector3d>& out) const;
+  /// What the samples of a brick have of a quantity that is a sum over the axes: [axis][coordinate].
+  using Axes = std::array<std::array<double, kBrickSize>, 3>;
+  [[nodiscard]] Axes axes_mm(BrickCoord brick) const;
+  static void positions_mm(const Axes& axes_mm, std::span<const std::uint16_t> samples,
+                           std::vector<Eigen::Vector3d>& out);
   void locate(const SampleJob& job, BrickCoord brick, Scratch& scratch, Located& out) const;
   void pack(std::uint32_t cell);
   [[nodiscard]] const Rim* rim_at(const CellFace& face, const Eigen::AlignedBox3d& cell) const;
   [[nodiscard]] Result<void> evaluate(const BrickPool& bricks, const std::vector<SampleJob>& jobs);
-  [[nodiscard]] float share(const Group& group, std::size_t slot, std::size_t point) const {
-    return group.block == kNoBlock ? 1.0f
-                                   : batch_.row(group.block, static_cast<std::uint32_t>(slot))[group.lane + point];
-  }
+  [[nodiscard]] const float* shares(const Group& group, std::size_t slot) const;
   void store(WorkBrick& brick, const Group& group, Scratch& scratch) const;
   void fill_from_rims(WorkBrick& brick, const Group& group, Scratch& scratch) const;
   void fill_unmeasured(WorkBrick& brick, const Group& group, Scratch& scratch) const;

@@ -1,6 +1,8 @@
 #include "core/octree/smoothing.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <cstring>
 #include <utility>
 
@@ -10,33 +12,28 @@ namespace {
 /// 1/4 of the Laplacian of the Laplacian, each of them a third of what second_differences() gives.
 constexpr float kStrength = 0.25F / 9;
 
-/// 1 for each of eight bits that is set.
+/// 1 for each of four bits that is set.
 constexpr auto kOnes = [] {
-  std::array<std::array<float, 8>, 256> ones{};
-  for (unsigned bits = 0; bits < 256; ++bits)
-    for (unsigned i = 0; i < 8; ++i) ones[bits][i] = (bits >> i & 1) != 0 ? 1.0F : 0.0F;
+  std::array<std::array<float, kFour>, 16> ones{};
+  for (unsigned bits = 0; bits < 16; ++bits)
+    for (unsigned i = 0; i < kFour; ++i) ones[bits][i] = (bits >> i & 1) != 0 ? 1.0F : 0.0F;
   return ones;
 }();
+Four ones(unsigned bits) {
+  return load_four(kOnes[bits & 15].data());
+}
 
-/// Names the label with the largest share, the lowest of equals.
-void name_labels(const SampleMask& sampled, Brick& brick) {
-  brick.label.fill(kNotSampled);
-  for (int row = 0; row < kBrickSamples; row += kBrickSize) {
-    const unsigned bits = sampled.row(row >> 3 & 7, row >> 6);
-    if (bits == 0) continue;
-    std::array<float, kBrickSize> best;
-    best.fill(-2.0F);
-    Label* label = brick.label.data() + row;
-    for (std::size_t r = 0; r < brick.palette.size(); ++r) {
-      const float* share = brick.share.data() + r * kBrickSamples + row;
-      for (std::size_t x = 0; x < kBrickSize; ++x) {
-        label[x] = share[x] > best[x] ? brick.palette[r] : label[x];
-        best[x] = share[x] > best[x] ? share[x] : best[x];
-      }
-    }
-    for (std::size_t x = 0; x < kBrickSize; ++x)
-      if ((bits >> x & 1) == 0) label[x] = kNotSampled;
-  }
+/// Bit x: where two rows differ.
+template <class Value>
+unsigned differing(const Value* a, const Value* b) {
+  std::array<std::uint64_t, kBrickSize * sizeof(Value) / sizeof(std::uint64_t)> left, right;
+  std::memcpy(left.data(), a, sizeof left);
+  std::memcpy(right.data(), b, sizeof right);
+  std::uint64_t any = 0;
+  for (std::size_t i = 0; i < left.size(); ++i) any |= left[i] ^ right[i];
+  unsigned bits = 0;
+  for (unsigned x = 0; any != 0 && x < kBrickSize; ++x) bits |= (a[x] != b[x] ? 1u : 0u) << x;
+  return bits;
 }
 
 /// The samples in which two bricks differ; all of them where the labels that occur do.
@@ -44,14 +41,9 @@ SampleMask difference(const Brick& a, const Brick& b) {
   SampleMask mask;
   const bool same_palette = a.palette == b.palette;
   for (std::size_t row = 0; row < kBrickSamples; row += kBrickSize) {
-    unsigned differs = same_palette ? 0 : 0xFF;
-    const auto compare = [&](const auto* left, const auto* right) {
-      if (std::memcmp(left, right, kBrickSize * sizeof *left) == 0) return;
-      for (unsigned x = 0; x < kBrickSize; ++x) differs |= (left[x] != right[x] ? 1u : 0u) << x;
-    };
-    compare(a.label.data() + row, b.label.data() + row);
-    for (std::size_t r = 0; same_palette && r < a.palette.size(); ++r)
-      compare(a.share.data() + r * kBrickSamples + row, b.share.data() + r * kBrickSamples + row);
+    unsigned differs = same_palette ? differing(a.label.data() + row, b.label.data() + row) : 0xFF;
+    for (std::size_t r = row; same_palette && r < a.share.size(); r += kBrickSamples)
+      differs |= differing(a.share.data() + r, b.share.data() + r);
     mask.layer[row >> 6] |= std::uint64_t{differs} << (row & 63);
   }
   return mask;
@@ -73,16 +65,55 @@ void Smoother::for_rows(int margin, Visit visit) {
 }
 
 void Smoother::gather_sampled() {
-  for_rows(kReach, [&](int y, int z, std::size_t row, std::size_t left) {
-    const auto bits = [&](std::size_t brick) {
-      return around_[brick] == nullptr ? 0u : around_[brick]->sampled.row(y & 7, z & 7);
-    };
-    constexpr unsigned kLowest = (1u << kReach) - 1;
-    sampled_[row] = bits(left) >> (kBrickSize - kReach) | bits(left + 1) << kReach |
-                    (bits(left + 2) & kLowest) << (kBrickSize + kReach);
-  });
+  constexpr std::uint64_t kRow = 0xFF, kLowest = (1u << kReach) - 1;
+  for (int z = -kReach; z < kBrickSize + kReach; ++z)
+    for (int beside_y = -1; beside_y <= 1; ++beside_y) {
+      const auto layer = [&](int x) {
+        const WorkBrick* brick = around_[beside(x, beside_y, z >> 3)];
+        return brick == nullptr ? 0 : brick->sampled.layer[static_cast<std::size_t>(z & 7)];
+      };
+      const std::uint64_t left = layer(-1) >> (kBrickSize - kReach), own = layer(0), right = layer(1);
+      const int first = kBrickSize * beside_y;
+      for (int y = std::max(first, -kReach); y < std::min(first + kBrickSize, kBrickSize + kReach); ++y) {
+        const int shift = kBrickSize * (y - first);
+        sampled_[row_index(y, z)] = static_cast<unsigned>((left >> shift & kLowest) | (own >> shift & kRow) << kReach |
+                                                          (right >> shift & kLowest) << (kBrickSize + kReach));
+      }
+    }
 }
 
+/// The rows that matter to samples that move.
+void Smoother::find_rows(const SampleMask& movable) {
+  std::array<unsigned, kSide> near{}, seen{};  // [z + kReach] bit y + kReach
+  for_rows(0, [&](int y, int z, std::size_t, std::size_t) {
+    if (movable.row(y, z) != 0) near[static_cast<std::size_t>(z + kReach)] |= 1u << (y + kReach);
+  });
+  rows_.clear();
+  for (std::size_t d = 0; d <= kReach; ++d) {
+    for (std::size_t layer = 0; layer < kSide; ++layer)
+      for (unsigned bits = near[layer] & ~seen[layer]; bits != 0; bits &= bits - 1) {
+        const int y = std::countr_zero(bits) - kReach, z = static_cast<int>(layer) - kReach;
+        const std::size_t row = row_index(y, z);
+        const unsigned here = sampled_[row];
+        if (here == 0) continue;
+        Row& added = rows_.emplace_back();
+        added = {row, beside(-1, y >> 3, z >> 3), static_cast<std::size_t>(sample_index(0, y & 7, z & 7)), {}, 0};
+        if (d == 0) added.movable = movable.row(y, z);
+        if (d == kReach) continue;
+        added.both_sides = {here & here << 1 & here >> 1, here & sampled_[row - 1] & sampled_[row + 1],
+                            here & sampled_[row - kSide] & sampled_[row + kSide]};
+      }
+    ends_[d] = rows_.size();
+    seen = near;
+    for (std::size_t z = 0; z < kSide; ++z) {
+      near[z] |= seen[z] << 1 | seen[z] >> 1;
+      if (z > 0) near[z] |= seen[z - 1];
+      if (z + 1 < kSide) near[z] |= seen[z + 1];
+    }
+  }
+}
+
+/// What lies in rows without samples is left from earlier labels and counts 0 times.
 void Smoother::gather_share(Label label) {
   static constexpr std::array<float, kBrickSamples> kNone{};
   std::array<const float*, 27> shares;
@@ -90,25 +121,30 @@ void Smoother::gather_share(Label label) {
     shares[i] = around_[i] == nullptr ? nullptr : around_[i]->shares.find(label);
     if (shares[i] == nullptr) shares[i] = kNone.data();
   }
-  for_rows(kReach, [&](int y, int z, std::size_t row, std::size_t left) {
-    const int first = sample_index(0, y & 7, z & 7);
-    float* to = share_.data() + kSide * row;
-    to = std::copy_n(shares[left] + first + kBrickSize - kReach, kReach, to);
-    to = std::copy_n(shares[left + 1] + first, kBrickSize, to);
-    std::copy_n(shares[left + 2] + first, kReach, to);
+  for (const Row& row : rows_) {
+    float* to = share_.data() + kSide * row.index;
+    std::memcpy(to, shares[row.left] + row.first + kBrickSize - kReach, kReach * sizeof(float));
+    std::memcpy(to + kReach, shares[row.left + 1] + row.first, kBrickSize * sizeof(float));
+    std::memcpy(to + kReach + kBrickSize, shares[row.left + 2] + row.first, kReach * sizeof(float));
+  }
+}
+
+/// Whether any of the shares gathered is not 0.
+bool Smoother::has_share() const {
+  return std::any_of(rows_.begin(), rows_.end(), [&](const Row& row) {
+    const float* share = share_.data() + kSide * row.index;
+    return std::any_of(share, share + kSide, [](float s) { return s != 0.0F; });
   });
 }
 
-/// All labels with a share here, ascending.
-std::vector<Label> Smoother::labels_around() const {
-  std::vector<Label> all;
+void Smoother::find_labels() {
+  labels_.clear();
   for (const WorkBrick* brick : around_) {
     if (brick == nullptr) continue;
     for (const Label label : brick->shares.palette)
-      if (const auto at = std::lower_bound(all.begin(), all.end(), label); at == all.end() || *at != label)
-        all.insert(at, label);
+      if (const auto at = std::lower_bound(labels_.begin(), labels_.end(), label); at == labels_.end() || *at != label)
+        labels_.insert(at, label);
   }
-  return all;
 }
 
 /// The samples of the brick whose eight finest cells are sampled. Only these may change their label: an edge that a
@@ -125,51 +161,34 @@ SampleMask Smoother::inner() const {
   return inner;
 }
 
-/// 1 for each bit of a row that is set.
-Smoother::Row Smoother::ones(unsigned bits) {
-  Row row;
-  const auto rest = std::copy_n(kOnes[bits & 0xFF].begin(), 8, row.begin());
-  std::copy_n(kOnes[bits >> 8].begin(), kSide - 8, rest);
-  return row;
-}
-
 /// Sums (mean of both neighbours) - (sample) over the axes in which both are sampled: three times the Laplacian where
-/// all are. Of one row, not one on the outside.
-Smoother::Row Smoother::second_differences(const Block& f, std::size_t row) const {
-  constexpr std::array<std::size_t, 3> kStep = {1, kSide, kSide * kSide};
-  Row sum{};
-  const unsigned here = sampled_[row];
-  if (here == 0) return sum;
-  const std::array<unsigned, 3> both = {here & here << 1 & here >> 1, here & sampled_[row - 1] & sampled_[row + 1],
-                                        here & sampled_[row - kSide] & sampled_[row + kSide]};
-  const float* at = f.data() + kSide * row;
+/// all are. Of four samples of a Block, which are bits shift .. shift + 3 of both_sides.
+Four Smoother::second_differences(const float* at, const std::array<unsigned, 3>& both_sides, int shift) {
+  constexpr std::array<std::ptrdiff_t, 3> kStep = {1, kSide, kSide * kSide};
+  Four sum{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const float *before = at - kStep[axis], *after = at + kStep[axis];
-    const Row counts = ones(both[axis]);
-    for (std::size_t x = 0; x < kSide; ++x) sum[x] += counts[x] * (0.5F * (before[x] + after[x]) - at[x]);
+    const Four before = load_four(at - kStep[axis]), after = load_four(at + kStep[axis]);
+    sum += ones(both_sides[axis] >> shift) * (0.5F * (before + after) - load_four(at));
   }
   return sum;
 }
 
-/// Moves the shares of a label that is not the first one, and the first one's the other way.
-void Smoother::move(Label label, const SampleMask& movable, float* share, float* first_share) {
-  gather_share(label);
-  for_rows(1, [&](int, int, std::size_t row, std::size_t) {
-    const Row second = second_differences(share_, row);
-    std::copy(second.begin(), second.end(), second_.begin() + static_cast<std::ptrdiff_t>(kSide * row));
-  });
-  for_rows(0, [&](int y, int z, std::size_t row, std::size_t) {
-    const unsigned bits = movable.row(y, z);
-    if (bits == 0) return;
-    const Row fourth = second_differences(second_, row);
-    const std::array<float, kBrickSize>& moves = kOnes[bits];
-    const auto first = static_cast<std::size_t>(sample_index(0, y, z));
-    for (std::size_t x = 0; x < kBrickSize; ++x) {
-      const float change = kStrength * moves[x] * fourth[x + kReach];
-      share[first + x] -= change;
-      first_share[first + x] += change;
+/// Moves the shares of the label that was gathered, not the first one, and the first one's the other way.
+void Smoother::move(float* share, float* first_share) {
+  for (std::size_t r = 0; r < ends_[1]; ++r)
+    for (int x = 0; x < kSide; x += static_cast<int>(kFour)) {
+      const std::size_t at = kSide * rows_[r].index + static_cast<std::size_t>(x);
+      store_four(second_differences(share_.data() + at, rows_[r].both_sides, x), second_.data() + at);
     }
-  });
+  for (std::size_t r = 0; r < ends_[0]; ++r)
+    for (int x = 0; x < kBrickSize; x += static_cast<int>(kFour)) {
+      const Row& row = rows_[r];
+      const float* second = second_.data() + kSide * row.index + kReach + x;
+      const Four change = kStrength * ones(row.movable >> x) * second_differences(second, row.both_sides, x + kReach);
+      const std::size_t at = row.first + static_cast<std::size_t>(x);
+      store_four(load_four(share + at) - change, share + at);
+      store_four(load_four(first_share + at) + change, first_share + at);
+    }
 }
 
 /// Puts samples back whose label changed.
@@ -188,19 +207,29 @@ void Smoother::keep_labels(const WorkBrick& brick, const SampleMask& samples) {
 SampleMask Smoother::smooth(const BrickPool& bricks, WorkBrick& brick) {
   const SampleMask movable = brick.sampled - brick.pinned;
   result_.coord = brick.coord;
-  result_.palette = brick.shares.palette;
+  labels_ = brick.shares.palette;
   if (movable.any()) {
     for (std::size_t i = 0; i < 27; ++i) around_[i] = brick.around[i] == kNoBrick ? nullptr : &bricks[brick.around[i]];
     gather_sampled();
-    result_.palette = labels_around();
+    find_rows(movable);
+    find_labels();
   }
-  result_.share.assign(result_.palette.size() * kBrickSamples, 0.0F);
-  for (std::size_t row = 0; row < result_.palette.size(); ++row) {
-    float* out = result_.share.data() + row * kBrickSamples;
-    if (const float* share = brick.shares.find(result_.palette[row])) std::copy_n(share, kBrickSamples, out);
-    if (row > 0 && movable.any()) move(result_.palette[row], movable, out, result_.share.data());
+  result_.palette.clear();
+  result_.share.clear();
+  result_.share.reserve(labels_.size() * kBrickSamples);
+  for (const Label label : labels_) {
+    const float* share = brick.shares.find(label);
+    const bool moves = movable.any() && label != labels_.front();
+    if (moves) gather_share(label);
+    if (moves && share == nullptr && !has_share()) continue;
+    const std::size_t first = result_.share.size();
+    result_.palette.push_back(label);
+    result_.share.resize(first + kBrickSamples, 0.0F);
+    if (share != nullptr) std::copy_n(share, kBrickSamples, result_.share.data() + first);
+    if (moves) move(result_.share.data() + first, result_.share.data());
   }
-  name_labels(brick.sampled, result_);
+  result_.label.fill(kNotSampled);
+  name_labels(brick.sampled, result_.palette, result_.share, result_.label);
   if (movable.any()) keep_labels(brick, movable - inner());
   const SampleMask changed = difference(result_, brick.smooth) | (brick.slices_moved & brick.sampled);
   brick.slices_moved = {};

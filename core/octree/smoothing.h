@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/octree/bricks/brick_pool.h"
+#include "core/slice/four.h"
 
 namespace sonoloft {
 
@@ -23,29 +24,40 @@ class Smoother {
   static constexpr int kReach = 2;
   static constexpr int kSide = kBrickSize + 2 * kReach;
   static constexpr int kRows = kSide * kSide;
-  using Row = std::array<float, kSide>;
   /// A value for each sample of the brick and of the two layers around it, in rows along x.
   using Block = std::array<float, kRows * kSide>;
   /// The same with one bit for each sample, bit x + kReach of a row.
   using RowBits = std::array<unsigned, kRows>;
   /// The bricks at -1, 0 and 1 in each axis, x fastest; null where there is none.
   using Around = std::array<const WorkBrick*, 27>;
+  /// A row with samples.
+  struct Row {
+    std::size_t index;                   ///< among those of a Block
+    std::size_t left;                    ///< index in Around of the brick at x = -1 there
+    std::size_t first;                   ///< index of the row's first sample in its brick
+    std::array<unsigned, 3> both_sides;  ///< [axis] the samples of which both neighbours are sampled; not of outer rows
+    unsigned movable;                    ///< bit x of the samples that move
+  };
 
   static std::size_t row_index(int y, int z);
   template <class Visit>
   static void for_rows(int margin, Visit visit);
   void gather_sampled();
+  void find_rows(const SampleMask& movable);
   void gather_share(Label label);
-  [[nodiscard]] std::vector<Label> labels_around() const;
+  [[nodiscard]] bool has_share() const;
+  void find_labels();
   [[nodiscard]] SampleMask inner() const;
-  static Row ones(unsigned bits);
-  [[nodiscard]] Row second_differences(const Block& f, std::size_t row) const;
-  void move(Label label, const SampleMask& movable, float* share, float* first_share);
+  static Four second_differences(const float* at, const std::array<unsigned, 3>& both_sides, int shift);
+  void move(float* share, float* first_share);
   void keep_labels(const WorkBrick& brick, const SampleMask& samples);
 
   Around around_{};
   RowBits sampled_{};
-  Block share_{}, second_{};  ///< of one label, and their second differences
+  std::vector<Row> rows_;                       ///< the nearest first to those with samples that move
+  std::array<std::size_t, kReach + 1> ends_{};  ///< [d] of the rows that lie at most d steps from these
+  std::vector<Label> labels_;                   ///< with a share in the bricks around, ascending
+  Block share_{}, second_{};                    ///< of one label, and their second differences
   Brick result_;
 };
 

@@ -22,7 +22,7 @@ class CellReader {
 
   void read() {
     block_.rows().for_mixed_cells(cell_, [&](LocalPoint at) { read(at); });
-    if (out_.simple.size() % kLanes != 0) place_vertices();
+    if (out_.simple.size() % kFour != 0) place_vertices();
   }
 
  private:
@@ -63,7 +63,7 @@ class CellReader {
   }
 
   void add_simple(LocalPoint at, std::uint16_t id, const float* gap) {
-    const std::size_t slot = out_.simple.size(), lane = slot % kLanes;
+    const std::size_t slot = out_.simple.size(), lane = slot % kFour;
     if (lane == 0) {
       out_.gaps.emplace_back();
       crossings_ = CrossingLanes{};
@@ -81,7 +81,7 @@ class CellReader {
     out_.slot[id] = static_cast<std::uint16_t>(slot);
     out_.simple.push_back({id, static_cast<std::uint16_t>(pull), {}});
     pairs_.push_back(gap ? LabelPair{cell_.label[0], cell_.label[1]} : kNoPair);
-    if (lane == kLanes - 1) place_vertices();
+    if (lane == kFour - 1) place_vertices();
   }
 
   void add_crossings(std::size_t lane) {
@@ -105,8 +105,8 @@ class CellReader {
   void place_vertices() {
     const PointLanes mean = mean_of_crossings(crossings_, out_.gaps.back());
     const auto placed = step_to_surface(mean, out_.gaps.back(), std::span(out_.lines).subspan(lines_placed_));
-    for (std::size_t slot = (out_.gaps.size() - 1) * kLanes; slot < out_.simple.size(); ++slot)
-      out_.simple[slot].placed = placed[slot % kLanes];
+    for (std::size_t slot = (out_.gaps.size() - 1) * kFour; slot < out_.simple.size(); ++slot)
+      out_.simple[slot].placed = placed[slot % kFour];
   }
 
   SampleBlock& block_;

@@ -31,7 +31,7 @@ struct BrickCells {
 
   std::array<std::uint16_t, kBrickSamples> slot;  ///< index into simple, or kNoSlot
   std::vector<SimpleCell> simple;                 ///< [#S] ascending
-  std::vector<GapLanes> gaps;                     ///< [#S / kLanes, rounded up]
+  std::vector<GapLanes> gaps;                     ///< [#S / kFour, rounded up]
   std::vector<LineGaps> lines;                    ///< ascending
   std::vector<std::uint16_t> complex_cells;       ///< [#C] sample_index, ascending
   std::vector<CellSamples> complex_samples;       ///< [#C] 0 beyond label_count

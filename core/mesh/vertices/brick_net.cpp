@@ -48,20 +48,20 @@ void BrickNet::find_pulls(const SimpleCell& cell, const std::array<const BrickNe
 
 void BrickNet::relax_lanes(std::size_t block, const std::array<const BrickNet*, 6>& beside,
                            std::span<const LineGaps>& lines) {
-  const std::span cells = std::span(cells_.simple).subspan(block * kLanes);
-  const std::size_t count = std::min(cells.size(), kLanes);
+  const std::span cells = std::span(cells_.simple).subspan(block * kFour);
+  const std::size_t count = std::min(cells.size(), kFour);
   Pulls pulls{};
   PointLanes p{};
   for (std::size_t i = 0; i < count; ++i) {
     find_pulls(cells[i], beside, i, pulls);
     for (std::size_t axis = 0; axis < 3; ++axis) p.axis[axis][i] = cells[i].placed[axis];
   }
-  const Real steps = __builtin_convertvector(pulls.count > 0 ? pulls.count * kStep : Integer{} + 1, Real);
+  const Four steps = __builtin_convertvector(pulls.count > 0 ? pulls.count * kStep : FourInts{} + 1, Four);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Real at = p.axis[axis] / kStep, mean = __builtin_convertvector(pulls.sum[axis], Real) / steps;
+    const Four at = p.axis[axis] / kStep, mean = __builtin_convertvector(pulls.sum[axis], Four) / steps;
     p.axis[axis] = at + kRelaxation * (mean - at);
   }
-  const auto end = std::ranges::upper_bound(lines, block, {}, [](const LineGaps& line) { return line.slot / kLanes; });
+  const auto end = std::ranges::upper_bound(lines, block, {}, [](const LineGaps& line) { return line.slot / kFour; });
   const auto here = lines.first(static_cast<std::size_t>(end - lines.begin()));
   lines = lines.subspan(here.size());
   const auto stepped = step_to_surface(p, cells_.gaps[block], here);
@@ -75,7 +75,7 @@ void BrickNet::put_on_contours() {
     const auto end = std::ranges::find_if(rest, [&](const ContourSpan& span) { return span.slot != slot; });
     const auto here = rest.first(static_cast<std::size_t>(end - rest.begin()));
     Gap gap;
-    for (std::size_t c = 0; c < 8; ++c) gap[c] = cells_.gaps[slot / kLanes].corner[c][slot % kLanes];
+    for (std::size_t c = 0; c < 8; ++c) gap[c] = cells_.gaps[slot / kFour].corner[c][slot % kFour];
     relaxed_[slot].vertex = put_on_contour(here, relaxed_[slot].vertex, gap);
     rest = rest.subspan(here.size());
   }

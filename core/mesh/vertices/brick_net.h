@@ -42,8 +42,8 @@ class BrickNet {
   /// The vertices of the cells beside those of one GapLanes that draw on theirs, relative to the cell, in 1/65536
   /// steps.
   struct Pulls {
-    Integer sum[3];
-    Integer count;
+    FourInts sum[3];
+    FourInts count;
   };
   [[nodiscard]] const CellPoint* placed(std::size_t cell) const {
     const std::uint16_t slot = cells_.slot[cell];

@@ -40,17 +40,17 @@ T keep_inside(T p) {
 
 /// The shortest step after which the linearised gap vanishes, in every lane; none where it is flat or not a number.
 void newton_steps(const GapLanes& gaps, PointLanes& p) {
-  Gradient<Real> g;
-  const Real value = trilinear(gaps.corner, p.axis[0], p.axis[1], p.axis[2], g);
-  const Real gram = g.x * g.x + (g.y * g.y + g.z * g.z), way = 1 / gram * value;
+  Gradient<Four> g;
+  const Four value = trilinear(gaps.corner, p.axis[0], p.axis[1], p.axis[2], g);
+  const Four gram = g.x * g.x + (g.y * g.y + g.z * g.z), way = 1 / gram * value;
   PointLanes step{{-(g.x * way), -(g.y * way), -(g.z * way)}};
   const auto& [x, y, z] = step.axis;
-  const Real length = square_root(x * x + (y * y + z * z));
-  const Real factor = length <= kLongestStep ? Real{} + 1 : kLongestStep / length;
-  for (Real& of_axis : step.axis) of_axis *= factor;
-  const Real zero = 0 * x + (0 * y + 0 * z);  // unless the step is not finite
-  const Integer take = (gram > kParallel * gram) & (zero == zero);
-  for (std::size_t axis = 0; axis < 3; ++axis) p.axis[axis] += take ? step.axis[axis] : Real{};
+  const Four length = square_root(x * x + (y * y + z * z));
+  const Four factor = length <= kLongestStep ? Four{} + 1 : kLongestStep / length;
+  for (Four& of_axis : step.axis) of_axis *= factor;
+  const Four zero = 0 * x + (0 * y + 0 * z);  // unless the step is not finite
+  const FourInts take = (gram > kParallel * gram) & (zero == zero);
+  for (std::size_t axis = 0; axis < 3; ++axis) p.axis[axis] += take ? step.axis[axis] : Four{};
 }
 
 /// The shortest step after which both linearised gaps vanish; none where they are nearly parallel or not numbers.
@@ -74,38 +74,38 @@ Eigen::Vector3f newton_step(const std::array<Gap, 2>& gaps, const Eigen::Vector3
 
 PointLanes mean_of_crossings(const CrossingLanes& crossings, const GapLanes& gaps) {
   PointLanes sum{};
-  Real count{};
+  Four count{};
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t edge = 0; edge < 4; ++edge) {
       const unsigned lower = kLowerEnds[axis][edge];
-      const Real of_gaps = zero_between(gaps.corner[lower], gaps.corner[lower | 1u << axis]);
-      const Real crossing = crossings.known ? crossings.crossing[axis][edge] : of_gaps;
-      const Integer mixed = (crossings.mixed[axis] >> static_cast<int>(lower) & 1) != 0;
-      const Real one = mixed ? Real{} + 1 : Real{};
+      const Four of_gaps = zero_between(gaps.corner[lower], gaps.corner[lower | 1u << axis]);
+      const Four crossing = crossings.known ? crossings.crossing[axis][edge] : of_gaps;
+      const FourInts mixed = (crossings.mixed[axis] >> static_cast<int>(lower) & 1) != 0;
+      const Four one = mixed ? Four{} + 1 : Four{};
       count += one;
-      sum.axis[axis] += mixed ? crossing : Real{};
+      sum.axis[axis] += mixed ? crossing : Four{};
       for (std::size_t other = 0; other < 3; ++other)
         if (lower >> other & 1) sum.axis[other] += one;
     }
-  count = count > 0 ? count : Real{} + 1;
-  for (Real& of_axis : sum.axis) of_axis /= count;
+  count = count > 0 ? count : Four{} + 1;
+  for (Four& of_axis : sum.axis) of_axis /= count;
   return sum;
 }
 
-std::array<CellPoint, kLanes> step_to_surface(const PointLanes& start, const GapLanes& gaps,
-                                              std::span<const LineGaps> lines) {
+std::array<CellPoint, kFour> step_to_surface(const PointLanes& start, const GapLanes& gaps,
+                                             std::span<const LineGaps> lines) {
   PointLanes p;
   for (std::size_t axis = 0; axis < 3; ++axis) p.axis[axis] = keep_inside(start.axis[axis]);
   newton_steps(gaps, p);
   for (const LineGaps& line : lines) {
-    const std::size_t lane = line.slot % kLanes;
+    const std::size_t lane = line.slot % kFour;
     const Eigen::Vector3f at(p.axis[0][lane], p.axis[1][lane], p.axis[2][lane]), step = newton_step(line.gap, at);
     for (std::size_t axis = 0; axis < 3; ++axis) p.axis[axis][lane] += step[static_cast<Eigen::Index>(axis)];
   }
-  std::array<CellPoint, kLanes> points;
+  std::array<CellPoint, kFour> points;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Integer fixed = __builtin_convertvector(keep_inside(p.axis[axis]) * kStep + 0.5F, Integer);
-    for (std::size_t i = 0; i < kLanes; ++i) points[i][axis] = static_cast<std::uint16_t>(fixed[i]);
+    const FourInts fixed = __builtin_convertvector(keep_inside(p.axis[axis]) * kStep + 0.5F, FourInts);
+    for (std::size_t i = 0; i < kFour; ++i) points[i][axis] = static_cast<std::uint16_t>(fixed[i]);
   }
   return points;
 }

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/mesh/lattice_position.h"
-#include "core/mesh/vertices/lanes.h"
+#include "core/slice/four.h"
 
 namespace sonoloft {
 
@@ -15,25 +15,25 @@ using Gap = std::array<float, 8>;  ///< [corner]
 
 /// The gaps of cells with two labels, 0 in other lanes.
 struct GapLanes {
-  Real corner[8];
+  Four corner[8];
 };
 
 /// The gaps of a cell with three labels. Cells with more have none: their vertex stays in the mean of the crossings.
 struct LineGaps {
-  std::uint32_t slot;  ///< of the cell, see BrickCells; its lane is slot % kLanes
+  std::uint32_t slot;  ///< of the cell, see BrickCells; its lane is slot % kFour
   std::array<Gap, 2> gap;
 };
 
 /// What tells the crossings on the edges of cells.
 struct CrossingLanes {
-  Integer mixed[3];     ///< [axis] mixed_edges()
-  Integer known;        ///< -1 where the gap lanes do not tell the crossings and these do:
-  Real crossing[3][4];  ///< [axis][edge]
+  FourInts mixed[3];    ///< [axis] mixed_edges()
+  FourInts known;       ///< -1 where the gap lanes do not tell the crossings and these do:
+  Four crossing[3][4];  ///< [axis][edge]
 };
 
 /// Positions in lattice steps from the cell's lowest corner.
 struct PointLanes {
-  Real axis[3];
+  Four axis[3];
 };
 
 /// The lower ends of the edges along an axis.
@@ -44,8 +44,8 @@ inline constexpr std::array<std::array<unsigned, 4>, 3> kLowerEnds = {{{0, 2, 4,
 
 /// One Newton step from each start.
 /// @param lines  those of these cells
-[[nodiscard]] std::array<CellPoint, kLanes> step_to_surface(const PointLanes& start, const GapLanes& gaps,
-                                                            std::span<const LineGaps> lines);
+[[nodiscard]] std::array<CellPoint, kFour> step_to_surface(const PointLanes& start, const GapLanes& gaps,
+                                                           std::span<const LineGaps> lines);
 
 /// A position in lattice steps from the cell's lowest corner, and back: it is then kept 0.03 inside of the cell.
 [[nodiscard]] Eigen::Vector3f to_steps(const CellPoint& point);

@@ -1,9 +1,10 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "core/mesh/lattice_position.h"
-#include "core/mesh/vertices/lanes.h"
+#include "core/slice/four.h"
 
 namespace sonoloft {
 
@@ -32,11 +33,18 @@ struct CellSamples {
   std::array<float, 8> slice_steps;           ///< see Brick
 };
 
+inline float square_root(float a) {
+  return std::sqrt(a);
+}
+inline Four square_root(Four a) {
+  return Four{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+}
+
 /// From the difference of two labels' shares to something of the same sign that is linear along an edge. At a distance
 /// h from a slice the difference is the sine of the angle between the slice's normal and the direction in which the
 /// border on the slice is seen, of which h * tangent is linear in space; the sine alone, which is flat above a border
 /// and steep beside it, would put the border up to half an edge beside its place.
-/// @tparam T  float, or Real to compute all lanes
+/// @tparam T  float, or Four to compute all lanes
 template <class T>
 T way_to_border(T difference, T slice_steps) {
   // Least distance from a slice and least cosine^2: samples on a slice say on which side of a border they are, no more.

@@ -23,7 +23,7 @@ inline unsigned mixed_edges(const CellSamples& cell, unsigned axis) {
 /// Where a gap between two labels vanishes between two corners where one and the other is the stronger: 0 at `lower`,
 /// 1 at `upper`, kept 0.01 inside, since no two simplices may share a node; the middle where the samples do not say.
 /// The same bits, whichever of both labels is first.
-/// @tparam T  float, or Real to compute all lanes
+/// @tparam T  float, or Four to compute all lanes
 template <class T>
 T zero_between(T lower, T upper) {
   const T least = T{} + 0.01F, most = T{} + (1 - 0.01F);

@@ -67,9 +67,9 @@ const float* SampleBlock::add_gap_plane(const LabelPair& pair) {
       if ((which & 1) != 0)
         *gap = way_to_border(first[source] - second[source], steps[source]);
       else
-        for (int x = 0; x < kBrickSize; x += static_cast<int>(kLanes)) {
+        for (int x = 0; x < kBrickSize; x += static_cast<int>(kFour)) {
           const int at = source + x;
-          store(way_to_border(load(first + at) - load(second + at), load(steps + at)), gap + x);
+          store_four(way_to_border(load_four(first + at) - load_four(second + at), load_four(steps + at)), gap + x);
         }
     });
   }

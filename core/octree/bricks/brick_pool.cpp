@@ -2,13 +2,23 @@
 
 #include <algorithm>
 
+#include "core/slice/four.h"
+
 namespace sonoloft {
+namespace {
+
+/// The bricks around one, those first that know most of the others.
+constexpr std::array<int, 26> kFacesFirst = {4,  10, 12, 14, 16, 22, 1, 3, 5, 7,  9,  11, 15,
+                                             17, 19, 21, 23, 25, 0,  2, 6, 8, 18, 20, 24, 26};
+
+}  // namespace
 
 float* ShareTable::row(Label label) {
   const auto it = std::lower_bound(palette.begin(), palette.end(), label);
   const auto at = it - palette.begin();
   if (it == palette.end() || *it != label) {
     palette.insert(it, label);
+    share.reserve(2 * kBrickSamples);  // most have a border of two labels
     share.insert(share.begin() + at * kBrickSamples, kBrickSamples, 0.0f);
   }
   return share.data() + at * kBrickSamples;
@@ -26,6 +36,30 @@ void ShareTable::drop_empty_rows() {
     if (std::any_of(first, last, [](float s) { return s != 0.0F; })) continue;
     share.erase(first, last);
     palette.erase(palette.begin() + static_cast<std::ptrdiff_t>(row));
+  }
+}
+
+void name_labels(const SampleMask& samples, std::span<const Label> palette, std::span<const float> share,
+                 std::span<Label, kBrickSamples> label) {
+  for (std::size_t row = 0; row < kBrickSamples; row += kBrickSize) {
+    unsigned bits = static_cast<unsigned>(samples.layer[row >> 6] >> (row & 63) & 0xFF);
+    if (bits == 0) continue;
+    const auto half_row = [&](std::size_t first) {
+      Four best = load_four(share.data() + first);
+      FourInts largest{};  // index in the palette
+      for (std::size_t r = 1; r < palette.size(); ++r) {
+        const Four other = load_four(share.data() + r * kBrickSamples + first);
+        const FourInts above = other > best;
+        largest = above ? FourInts{} + static_cast<int>(r) : largest;
+        best = above ? other : best;
+      }
+      return largest;
+    };
+    const std::array<FourInts, 2> largest = {half_row(row), half_row(row + kFour)};
+    for (; bits != 0; bits &= bits - 1) {
+      const auto x = static_cast<std::size_t>(std::countr_zero(bits));
+      label[row + x] = palette[static_cast<std::size_t>(largest[x / kFour][x % kFour])];
+    }
   }
 }
 
@@ -66,13 +100,30 @@ std::uint32_t BrickPool::find_or_add(BrickCoord coord) {
   const std::uint32_t index = it->second;
   WorkBrick& brick = *bricks_[index];
   brick.coord = brick.smooth.coord = coord;
-  for (int i = 0; i < 27; ++i)
-    brick.around[static_cast<std::size_t>(i)] =
-        find({coord.x + i % 3 - 1, coord.y + i / 3 % 3 - 1, coord.z + i / 9 - 1});
+  find_around(brick);
+  brick.around[beside(0, 0, 0)] = index;
   name_to_neighbours(brick, index);
   brick.label.fill(kNotSampled);
   brick.smooth.label.fill(kNotSampled);
   return index;
+}
+
+/// A neighbour that was found knows the bricks that lie around both.
+void BrickPool::find_around(WorkBrick& brick) const {
+  constexpr std::uint32_t kNotSought = kNoBrick - 1;
+  brick.around.fill(kNotSought);
+  for (const int i : kFacesFirst) {
+    const int x = i % 3 - 1, y = i / 3 % 3 - 1, z = i / 9 - 1;
+    std::uint32_t& there = brick.around[static_cast<std::size_t>(i)];
+    if (there != kNotSought) continue;
+    there = find({brick.coord.x + x, brick.coord.y + y, brick.coord.z + z});
+    if (there == kNoBrick) continue;
+    const WorkBrick& known = *bricks_[there];
+    for (int w = std::max(z - 1, -1); w <= std::min(z + 1, 1); ++w)
+      for (int v = std::max(y - 1, -1); v <= std::min(y + 1, 1); ++v)
+        for (int u = std::max(x - 1, -1); u <= std::min(x + 1, 1); ++u)
+          brick.around[beside(u, v, w)] = known.around[beside(u - x, v - y, w - z)];
+  }
 }
 
 std::vector<std::uint32_t> BrickPool::indices() const {

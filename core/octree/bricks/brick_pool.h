@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -25,6 +26,11 @@ struct ShareTable {
   void drop_empty_rows();
 };
 
+/// Names of some samples the label with the largest share, the lowest of equals.
+/// @param share  [#palette][kBrickSamples] @pre the palette is not empty where samples are
+void name_labels(const SampleMask& samples, std::span<const Label> palette, std::span<const float> share,
+                 std::span<Label, kBrickSamples> label);
+
 /// Samples of a brick that lie in one convex cell.
 struct SamplesInCell {
   std::uint32_t cell;
@@ -44,7 +50,9 @@ struct WorkBrick {
   OctantMask background_seeds = 0;          ///< octants that a surface of the background runs through
   OctantMask active = 0;                    ///< octants whose corners are sampled
   std::array<OctantMask, 6> mixed_faces{};  ///< [face] see mixed_faces()
+  OctantMask stale_faces = 0;               ///< octants of which the mixed faces are not up to date
   SampleMask sampled;
+  SampleMask renamed;                      ///< samples of which not all octants know yet that their label was taken
   SampleMask pinned;                       ///< within a finest cell of a slice: smoothing leaves it alone
   SampleMask slices_moved;                 ///< whose distance from the slices changed since they were smoothed
   std::vector<SamplesInCell> in_cells;     ///< none empty
@@ -84,6 +92,7 @@ class BrickPool {
   [[nodiscard]] std::size_t size() const { return index_.size(); }
 
  private:
+  void find_around(WorkBrick& brick) const;
   void name_to_neighbours(const WorkBrick& brick, std::uint32_t name);
 
   std::unordered_map<BrickCoord, std::uint32_t, BrickCoordHash> index_;

@@ -56,27 +56,39 @@ SampleMask OctantGrowth::needed(const WorkBrick& brick) const {
   return corners_of(octants);
 }
 
+/// Those of octants with corners that were renamed; while none is active they wait.
 void OctantGrowth::refresh_faces(WorkBrick& brick) const {
   static constexpr std::array<Label, kBrickSamples> kNothing = [] {
     std::array<Label, kBrickSamples> labels{};
     labels.fill(kNotSampled);
     return labels;
   }();
+  static constexpr SampleMask kNone{};
   std::array<const Label*, 8> from;  // this brick and those above, of which only the lowest layer is wanted
+  std::array<const SampleMask*, 8> renamed;
   for (int i = 0; i < 8; ++i) {
     const std::uint32_t index = brick.around[beside(i & 1, (i >> 1) & 1, i >> 2)];
     from[static_cast<std::size_t>(i)] = index == kNoBrick ? kNothing.data() : bricks_[index].label.data();
+    renamed[static_cast<std::size_t>(i)] = index == kNoBrick ? &kNone : &bricks_[index].renamed;
   }
+  brick.stale_faces |= octants_at(renamed);
+  if (brick.active == 0 || brick.stale_faces == 0) return;
   CornerLabels labels;
-  auto out = labels.begin();
-  for (int z = 0; z <= kBrickSize; ++z)
+  for (int z = 0; z <= kBrickSize; ++z) {
+    constexpr OctantMask kLayer = 0xFFFF;
+    if ((brick.stale_faces & (kLayer << (8 * z & 48) | kLayer << (8 * (z - 1) & 48))) == 0) continue;
+    Label* out = labels.data() + kCornerSide * kCornerSide * static_cast<std::size_t>(z);
     for (int y = 0; y <= kBrickSize; ++y) {
       const auto upper = static_cast<std::size_t>(2 * (y >> 3) + 4 * (z >> 3));
       const int row = sample_index(0, y & 7, z & 7);
       out = std::copy_n(from[upper] + row, kBrickSize, out);
       *out++ = from[upper + 1][row];
     }
-  brick.mixed_faces = mixed_faces(labels);
+  }
+  const std::array<OctantMask, 6> mixed = mixed_faces(labels, brick.stale_faces);
+  for (std::size_t face = 0; face < 6; ++face)
+    brick.mixed_faces[face] = (brick.mixed_faces[face] & ~brick.stale_faces) | mixed[face];
+  brick.stale_faces = 0;
 }
 
 void OctantGrowth::follow(const std::vector<std::uint32_t>& resampled, int threads) {
@@ -84,18 +96,20 @@ void OctantGrowth::follow(const std::vector<std::uint32_t>& resampled, int threa
   for (const std::uint32_t index : resampled) {
     for (int i = 0; i < 8; ++i) {
       const std::uint32_t below = bricks_[index].around[beside(-(i & 1), -((i >> 1) & 1), -(i >> 2))];
-      if (below != kNoBrick && bricks_[below].active != 0) bricks.add(below);
+      if (below != kNoBrick) bricks.add(below);
     }
   }
   const auto& items = bricks.items();
   parallel_for(items.size(), 32, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t n = first; n < last; ++n) refresh_faces(bricks_[items[n]]);
   });
+  for (const std::uint32_t index : resampled) bricks_[index].renamed = {};
   // Activated when all are known: the faces of octants without samples mean nothing.
   std::vector<std::pair<std::uint32_t, OctantMask>> found;
   for (const std::uint32_t index : items) {
-    faces_changed_.add(index);
     const WorkBrick& brick = bricks_[index];
+    if (brick.active == 0) continue;
+    faces_changed_.add(index);
     for (int face = 0; face < 6; ++face) {
       const BesideMasks next = behind(brick.active & brick.mixed_faces[static_cast<std::size_t>(face)], face);
       if ((next.own & ~brick.active) != 0) found.emplace_back(index, next.own);

@@ -51,9 +51,28 @@ std::uint64_t corners_in_layer(const OctantLayers& octants) {
   return from | from << 8 | from << 16 | (below & 0xFF);
 }
 
+/// What spread() was given.
+std::uint64_t gather(std::uint64_t m) {
+  m = (m | m >> 1) & 0x0033003300330033;
+  m = (m | m >> 2) & 0x000F000F000F000F;
+  m = (m | m >> 12) & 0x000000FF000000FF;
+  return (m | m >> 24) & 0xFFFF;
+}
+
+/// The octants of a layer that have corners in it: of the brick (0) and of those above it in x (1), in y (2) and in
+/// both (3).
+std::uint64_t octants_in_layer(const std::array<std::uint64_t, 4>& corners) {
+  constexpr std::uint64_t kLowestX = 0x0101010101010101, kUpToX5 = 0x3F3F3F3F3F3F3F3F;
+  const auto along_x = [&](std::uint64_t own, std::uint64_t above) {
+    return own | own >> 1 | (own >> 2 & kUpToX5) | (above & kLowestX) << 6;
+  };
+  const std::uint64_t own = along_x(corners[0], corners[1]), above = along_x(corners[2], corners[3]);
+  return gather((own | own >> 8 | own >> 16 | above << 48) & 0x0055005500550055);
+}
+
 /// Three labels in a word, the first one lowest.
 std::uint64_t row_of_labels(const Label* first) {
-  return first[0] | std::uint64_t{first[1]} << 16 | std::uint64_t{first[2]} << 32;
+  return first[0] | std::uint32_t{first[1]} << 16 | std::uint64_t{first[2]} << 32;
 }
 
 constexpr std::uint64_t kFirstLabel = 0xFFFF;
@@ -116,9 +135,24 @@ SampleMask corners_of(const std::array<OctantMask, 8>& octants) {
   return mask;
 }
 
-std::array<OctantMask, 6> mixed_faces(const CornerLabels& labels) {
+OctantMask octants_at(const std::array<const SampleMask*, 8>& samples) {
+  OctantMask octants = 0;
+  for (std::size_t z = 0; z < kOctantSide; ++z) {
+    std::array<std::uint64_t, 4> corners;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto& layer = samples[i]->layer;
+      const std::uint64_t upper = z + 1 < kOctantSide ? layer[kOctantCells * z + 2] : samples[i + 4]->layer[0];
+      corners[i] = layer[kOctantCells * z] | layer[kOctantCells * z + 1] | upper;
+    }
+    octants |= octants_in_layer(corners) << (16 * z);
+  }
+  return octants;
+}
+
+std::array<OctantMask, 6> mixed_faces(const CornerLabels& labels, OctantMask octants) {
   std::array<OctantMask, 6> mixed{};
-  for (int i = 0; i < 64; ++i) {
+  for (; octants != 0; octants &= octants - 1) {
+    const int i = std::countr_zero(octants);
     const auto x = static_cast<std::size_t>(i & 3), y = static_cast<std::size_t>(i >> 2 & 3);
     const auto z = static_cast<std::size_t>(i >> 4);
     const Label* lowest = labels.data() + kOctantCells * (x + kCornerSide * (y + kCornerSide * z));

@@ -109,12 +109,17 @@ struct SampleMask {
 ///                 the brick itself
 [[nodiscard]] SampleMask corners_of(const std::array<OctantMask, 8>& octants);
 
+/// The octants of a brick that have corners among some samples.
+/// @param samples  [i] those in the brick that lies one brick above in x, y, z where bit 0, 1, 2 of i is set; [0]: in
+///                 the brick itself
+[[nodiscard]] OctantMask octants_at(const std::array<const SampleMask*, 8>& samples);
+
 /// The labels of the 9 x 9 x 9 corners of a brick's cells, x fastest.
 inline constexpr std::size_t kCornerSide = kBrickSize + 1;
 using CornerLabels = std::array<Label, kCornerSide * kCornerSide * kCornerSide>;
 
-/// For every face 2 * axis + (1 for the upper side) the octants that carry more than one label on it. Octants with
-/// unsampled corners get garbage.
-[[nodiscard]] std::array<OctantMask, 6> mixed_faces(const CornerLabels& labels);
+/// For every face 2 * axis + (1 for the upper side) the octants, of some, that carry more than one label on it. Octants
+/// with unsampled corners get garbage.
+[[nodiscard]] std::array<OctantMask, 6> mixed_faces(const CornerLabels& labels, OctantMask octants);
 
 }  // namespace sonoloft

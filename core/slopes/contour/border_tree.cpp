@@ -2,30 +2,17 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstring>
 #include <limits>
+
+#include "core/slice/four.h"
 
 namespace sonoloft {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// What every processor has a register for; compilers make no vectors of loops that choose.
-constexpr std::size_t kWidth = 4;
-using Four = float __attribute__((vector_size(kWidth * sizeof(float))));
-
 Four greater(Four a, Four b) {
   return a > b ? a : b;
-}
-template <class Lanes>
-Four load(const Lanes& lanes, std::size_t first) {
-  Four four;
-  std::memcpy(&four, &lanes[first], sizeof four);
-  return four;
-}
-template <class Lanes>
-void store(Four four, Lanes& lanes, std::size_t first) {
-  std::memcpy(&lanes[first], &four, sizeof four);
 }
 
 }  // namespace
@@ -115,16 +102,17 @@ void BorderTree::add_levels() {
 void BorderTree::look_at(const Block& block, Search& search) const {
   if (search.label && block.left != *search.label && block.right != *search.label) return;
   Lanes distance2, cross;
-  for (std::size_t i = 0; i < kFan; i += kWidth) {
-    const Four ax = load(block.ax, i), ay = load(block.ay, i), bx = load(block.bx, i), by = load(block.by, i);
+  for (std::size_t i = 0; i < kFan; i += kFour) {
+    const Four ax = load_four(&block.ax[i]), ay = load_four(&block.ay[i]), bx = load_four(&block.bx[i]),
+               by = load_four(&block.by[i]);
     const Four ex = bx - ax, ey = by - ay, px = search.x - ax, py = search.y - ay;
-    const Four t = (px * ex + py * ey) * load(block.inverse_length2, i);
+    const Four t = (px * ex + py * ey) * load_four(&block.inverse_length2[i]);
     const Four inner = greater(t, Four{});
     // Beyond the end the same subtraction as from the next edge's start, so that both are equally far.
     const Four rx = t < 1.0f ? px - inner * ex : search.x - bx;
     const Four ry = t < 1.0f ? py - inner * ey : search.y - by;
-    store(rx * rx + ry * ry, distance2, i);
-    store(ex * py - ey * px, cross, i);
+    store_four(rx * rx + ry * ry, &distance2[i]);
+    store_four(ex * py - ey * px, &cross[i]);
   }
   for (std::uint32_t i = 0; i < kFan; ++i) {
     if (distance2[i] > search.best2) continue;
@@ -140,10 +128,10 @@ void BorderTree::look_at(const Block& block, Search& search) const {
 void BorderTree::descend(std::size_t level, std::uint32_t node, Search& search) const {
   const Boxes& boxes = levels_[level][node];
   Lanes distance2;
-  for (std::size_t i = 0; i < kFan; i += kWidth) {
-    const Four x = greater(greater(load(boxes.x0, i) - search.x, search.x - load(boxes.x1, i)), Four{});
-    const Four y = greater(greater(load(boxes.y0, i) - search.y, search.y - load(boxes.y1, i)), Four{});
-    store(x * x + y * y, distance2, i);
+  for (std::size_t i = 0; i < kFan; i += kFour) {
+    const Four x = greater(greater(load_four(&boxes.x0[i]) - search.x, search.x - load_four(&boxes.x1[i])), Four{});
+    const Four y = greater(greater(load_four(&boxes.y0[i]) - search.y, search.y - load_four(&boxes.y1[i])), Four{});
+    store_four(x * x + y * y, &distance2[i]);
   }
   for (std::uint32_t i = 0; i < kFan; ++i) {
     if (distance2[i] > search.best2 || (boxes.labels[i] & search.labels) == 0) continue;

@@ -48,7 +48,7 @@ std::vector<PackedStretch> stretches_of(const std::vector<PackedVertex>& chain) 
 }  // namespace
 
 TEST_CASE("stretches: short chains have none, long ones halves of halves that leave no edge out") {
-  CHECK(stretches_of(arc(20, 1, 1)).empty());
+  CHECK(stretches_of(arc(15, 1, 1)).empty());
   const std::vector<PackedStretch> all = stretches_of(arc(1000, 1, 6));
   REQUIRE(all.size() > 100);
   CHECK(all.front().count == 1000);

@@ -8,6 +8,8 @@ using namespace sonoloft;
 
 namespace {
 
+constexpr OctantMask kAllOctants = ~OctantMask{0};
+
 SampleMask corners_of_octant(std::size_t brick, OctantMask octant) {
   std::array<OctantMask, 8> octants{};
   octants[brick] = octant;
@@ -26,6 +28,26 @@ TEST_CASE("octants: an octant has 3 x 3 x 3 corners, those on its upper sides in
   CHECK(corners_of_octant(1, octant_bit(2, 1, 1)).count() == 0);
   CHECK(corners_of_octant(0, octant_bit(1, 0, 0)).test(sample_index(4, 0, 2)));
   CHECK_FALSE(corners_of_octant(0, octant_bit(1, 0, 0)).test(sample_index(5, 0, 0)));
+}
+
+TEST_CASE("octants: those at random samples are all that have one of them for a corner") {
+  std::mt19937_64 rng(6);
+  for (int round = 0; round < 50; ++round) {
+    std::array<SampleMask, 8> samples;
+    std::array<const SampleMask*, 8> named{};
+    for (std::size_t i = 0; i < 8; ++i) {
+      for (auto& layer : samples[i].layer) layer = rng() & rng() & rng() & rng();
+      named[i] = &samples[i];
+    }
+    OctantMask expected = 0;
+    for (OctantMask octant = 1; octant != 0; octant <<= 1)
+      for (std::size_t i = 0; i < 8; ++i) {
+        std::array<OctantMask, 8> below{};  // corners_of() looks from the brick above
+        below[i] = octant;
+        if ((corners_of(below) & samples[i]).any()) expected |= octant;
+      }
+    CHECK(octants_at(named) == expected);
+  }
 }
 
 TEST_CASE("octants: the corners of a random set are those of its members, one by one") {
@@ -50,10 +72,10 @@ TEST_CASE("octants: the corners of a random set are those of its members, one by
 
 TEST_CASE("octants: a face is mixed when its 9 corners are not all of one label, for both octants that share it") {
   CornerLabels labels{};
-  CHECK(mixed_faces(labels) == std::array<OctantMask, 6>{});
+  CHECK(mixed_faces(labels, kAllOctants) == std::array<OctantMask, 6>{});
   // One corner in the middle of the face between octants (0,0,0) and (1,0,0): x = 2, y = 1, z = 1.
   labels[2 + 9 * (1 + 9 * 1)] = 3;
-  const auto faces = mixed_faces(labels);
+  const auto faces = mixed_faces(labels, kAllOctants);
   CHECK(faces[1] == octant_bit(0, 0, 0));
   CHECK(faces[0] == octant_bit(1, 0, 0));
   CHECK((faces[2] | faces[3] | faces[4] | faces[5]) == 0);
@@ -61,7 +83,7 @@ TEST_CASE("octants: a face is mixed when its 9 corners are not all of one label,
   labels.fill(0);
   labels[728] = 1;
   const OctantMask last = octant_bit(3, 3, 3);
-  CHECK(mixed_faces(labels) == std::array<OctantMask, 6>{0, last, 0, last, 0, last});
+  CHECK(mixed_faces(labels, kAllOctants) == std::array<OctantMask, 6>{0, last, 0, last, 0, last});
 }
 
 TEST_CASE("octants: faces of random labels are mixed where a comparison of all corners says so") {
@@ -69,7 +91,7 @@ TEST_CASE("octants: faces of random labels are mixed where a comparison of all c
   for (int round = 0; round < 50; ++round) {
     CornerLabels labels;
     for (Label& label : labels) label = rng() % 20 == 0 ? 7 : 4;
-    const auto faces = mixed_faces(labels);
+    const auto faces = mixed_faces(labels, kAllOctants);
     for (int octant = 0; octant < 64; ++octant)
       for (int face = 0; face < 6; ++face) {
         const int axis = face / 2;

@@ -206,18 +206,13 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, cons
   s.seed_background(growth);
   s.contours.trace(s.bricks, growth);
   for (s.add_missing(growth, jobs, threads); !jobs.empty(); s.add_missing(growth, jobs, threads)) {
-    for (const SampleJob& job : jobs)
-      s.samples += static_cast<std::size_t>((job.samples - s.bricks[job.brick].sampled).count());
     if (auto taken = sampler.take(s.bricks, jobs); !taken) return tl::unexpected<Error>(taken.error());
-    std::vector<std::uint32_t> resampled;
-    for (const SampleJob& job : jobs) {
-      for (const SamplesInCell& in : s.bricks[job.brick].in_cells)
-        if (!(in.samples - job.samples).any()) s.bricks_of_cell[in.cell].push_back(job.brick);
-      resampled.push_back(job.brick);
-      touched.add(job.brick, job.samples);
-    }
+    s.samples += sampler.first_taken();
+    sampler.for_new_cells(jobs,
+                          [&](std::uint32_t cell, std::uint32_t brick) { s.bricks_of_cell[cell].push_back(brick); });
+    for (const SampleJob& job : jobs) touched.add(job.brick, job.samples);
+    growth.follow(jobs, threads);
     jobs.clear();
-    growth.follow(resampled, threads);
   }
   growth.prune();
   s.drop_unneeded(growth, touched);

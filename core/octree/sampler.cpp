@@ -27,7 +27,8 @@ Sampler::Sampler(const CellComplex& cells, const ContourSlopes* slopes, FieldEva
       packed_of_cell_(cells.cell_bound(), kNotPacked) {}
 
 Result<void> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs) {
-  if (located_.size() < jobs.size()) located_.resize(jobs.size());
+  jobs_ = jobs.size();
+  if (located_.size() < jobs_) located_.resize(jobs_);
   parallel_for(jobs.size(), 16, threads_, [&](std::size_t first, std::size_t last) {
     const auto scratch = scratches_.take();
     for (std::size_t j = first; j < last; ++j) locate(jobs[j], bricks[jobs[j].brick].coord, *scratch, located_[j]);
@@ -40,7 +41,7 @@ Result<void> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs
     for (const CellPoints& points : located_[j].cells) {
       const auto cell = static_cast<std::uint32_t>(points.cell);
       if (packed_of_cell_[cell] == kNotPacked) pack(cell);
-      groups_.push_back({j, packed_of_cell_[cell], points.first, points.count, kNoBlock, 0});
+      groups_.push_back({j, packed_of_cell_[cell], points.first, points.count, kNoBlock, 0, false});
     }
     first_group.push_back(groups_.size());
     evaluated_ += located_[j].index.size();
@@ -52,13 +53,20 @@ Result<void> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs
     const auto scratch = scratches_.take();
     for (std::size_t j = first; j < last; ++j) {
       WorkBrick& brick = bricks[jobs[j].brick];
-      brick.forget(jobs[j].samples & brick.sampled);
+      const SampleMask before = jobs[j].samples & brick.sampled;
+      located_[j].first_taken = static_cast<std::uint32_t>((jobs[j].samples - before).count());
+      brick.forget(before);
       for (std::size_t g = first_group[j]; g < first_group[j + 1]; ++g) store(brick, groups_[g], *scratch);
-      brick.renamed = jobs[j].samples;
       name_labels(jobs[j].samples, brick.shares.palette, brick.shares.share, brick.label);
     }
   });
   return {};
+}
+
+std::size_t Sampler::first_taken() const {
+  std::size_t count = 0;
+  for (std::size_t j = 0; j < jobs_; ++j) count += located_[j].first_taken;
+  return count;
 }
 
 Sampler::Axes Sampler::axes_mm(BrickCoord brick) const {
@@ -210,7 +218,7 @@ void Sampler::pin(WorkBrick& brick, const Group& group) const {
   }
 }
 
-void Sampler::store(WorkBrick& brick, const Group& group, Scratch& scratch) const {
+void Sampler::store(WorkBrick& brick, Group& group, Scratch& scratch) const {
   const std::span<const std::uint16_t> index = samples_of(group);
   const std::span<const Label> labels = batch_.cells.labels(group.packed);
   const bool partly_unknown = labels.back() == kUnknown;
@@ -223,7 +231,7 @@ void Sampler::store(WorkBrick& brick, const Group& group, Scratch& scratch) cons
   if (partly_unknown) fill_unmeasured(brick, group, scratch);
   SampleMask samples;
   for (const std::uint16_t i : index) samples.set(i);
-  brick.add(cell_of_packed_[group.packed], samples);
+  group.is_new = brick.add(cell_of_packed_[group.packed], samples);
   pin(brick, group);
 }
 

@@ -13,12 +13,6 @@
 
 namespace sonoloft {
 
-/// Samples of one brick to be taken.
-struct SampleJob {
-  std::uint32_t brick;
-  SampleMask samples;
-};
-
 /// Takes samples from the field, in rounds of many bricks; cells packed in one
 /// round serve the later ones. Lives for one update: the cells do not change
 /// meanwhile.
@@ -33,6 +27,15 @@ class Sampler {
   /// shares and pins into the bricks.
   [[nodiscard]] Result<void> take(BrickPool& bricks, const std::vector<SampleJob>& jobs);
 
+  /// How many of those of the last take() had not been taken before.
+  [[nodiscard]] std::size_t first_taken() const;
+  /// Calls visit(cell, brick) where the last take() found samples of a brick in a cell that had none of it.
+  template <class Visit>
+  void for_new_cells(const std::vector<SampleJob>& jobs, const Visit& visit) const {
+    for (const Group& group : groups_)
+      if (group.is_new) visit(cell_of_packed_[group.packed], jobs[group.job].brick);
+  }
+
   [[nodiscard]] std::size_t evaluated() const { return evaluated_; }
   /// Edges that were summed for the samples taken.
   [[nodiscard]] std::size_t edge_evaluations() const { return edge_evaluations_; }
@@ -46,12 +49,14 @@ class Sampler {
     std::uint32_t job, packed;
     std::uint32_t first, count;  ///< in Located::index
     std::uint32_t block,
-        lane;  ///< of the batch; block kNoBlock: the cell is constant
+        lane;     ///< of the batch; block kNoBlock: the cell is constant
+    bool is_new;  ///< the brick had no other samples in the cell
   };
   /// The samples of one job, those of one cell together.
   struct Located {
     std::vector<std::uint16_t> index;  ///< of the sample in its brick
     std::vector<CellPoints> cells;
+    std::uint32_t first_taken;
   };
   /// A slice beside which samples are pinned: normal . x + offset = signed
   /// distance, mm.
@@ -86,7 +91,7 @@ class Sampler {
   [[nodiscard]] const Rim* rim_at(const CellFace& face, const Eigen::AlignedBox3d& cell) const;
   [[nodiscard]] Result<void> evaluate(const BrickPool& bricks, const std::vector<SampleJob>& jobs);
   [[nodiscard]] const float* shares(const Group& group, std::size_t slot) const;
-  void store(WorkBrick& brick, const Group& group, Scratch& scratch) const;
+  void store(WorkBrick& brick, Group& group, Scratch& scratch) const;
   void fill_from_rims(WorkBrick& brick, const Group& group, Scratch& scratch) const;
   void fill_unmeasured(WorkBrick& brick, const Group& group, Scratch& scratch) const;
   void pin(WorkBrick& brick, const Group& group) const;
@@ -109,6 +114,7 @@ class Sampler {
   std::vector<CellFace> faces_;
   std::vector<std::uint32_t> apart_;  ///< room to work in
   std::vector<FaceBends> bends_;
+  std::size_t jobs_ = 0;          ///< of the last take()
   std::vector<Located> located_;  ///< [>= #jobs]
   std::vector<Group> groups_;     ///< by job
   std::size_t evaluated_ = 0, edge_evaluations_ = 0;

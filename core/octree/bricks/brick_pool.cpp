@@ -63,14 +63,16 @@ void name_labels(const SampleMask& samples, std::span<const Label> palette, std:
   }
 }
 
-void WorkBrick::add(std::uint32_t cell, const SampleMask& samples) {
+bool WorkBrick::add(std::uint32_t cell, const SampleMask& samples) {
   sampled = sampled | samples;
   const auto known =
       std::find_if(in_cells.begin(), in_cells.end(), [&](const SamplesInCell& in) { return in.cell == cell; });
-  if (known == in_cells.end())
+  if (known == in_cells.end()) {
     in_cells.push_back({cell, samples});
-  else
-    known->samples = known->samples | samples;
+    return true;
+  }
+  known->samples = known->samples | samples;
+  return false;
 }
 
 void WorkBrick::forget(const SampleMask& samples) {

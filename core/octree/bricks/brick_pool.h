@@ -42,6 +42,12 @@ constexpr std::size_t beside(int x, int y, int z) {
   return static_cast<std::size_t>((x + 1) + 3 * (y + 1) + 9 * (z + 1));
 }
 
+/// Samples of one brick to be taken, or just taken.
+struct SampleJob {
+  std::uint32_t brick;
+  SampleMask samples;
+};
+
 /// All that is known of a brick: what was sampled, and what smoothing made of it.
 struct WorkBrick {
   BrickCoord coord{};
@@ -52,7 +58,6 @@ struct WorkBrick {
   std::array<OctantMask, 6> mixed_faces{};  ///< [face] see mixed_faces()
   OctantMask stale_faces = 0;               ///< octants of which the mixed faces are not up to date
   SampleMask sampled;
-  SampleMask renamed;                      ///< samples of which not all octants know yet that their label was taken
   SampleMask pinned;                       ///< within a finest cell of a slice: smoothing leaves it alone
   SampleMask slices_moved;                 ///< whose distance from the slices changed since they were smoothed
   std::vector<SamplesInCell> in_cells;     ///< none empty
@@ -62,8 +67,8 @@ struct WorkBrick {
   Brick smooth;                            ///< what the mesh sees
 
   [[nodiscard]] OctantMask seeds() const { return contour_seeds | background_seeds; }
-  /// Samples that were found in a cell.
-  void add(std::uint32_t cell, const SampleMask& samples);
+  /// Samples that were found in a cell. @return whether it had none here
+  bool add(std::uint32_t cell, const SampleMask& samples);
   /// Samples that are taken again, or no more.
   void forget(const SampleMask& samples);
 };

@@ -12,6 +12,8 @@ namespace {
 constexpr std::array<std::size_t, 6> kAcross = {beside(-1, 0, 0), beside(1, 0, 0),  beside(0, -1, 0),
                                                 beside(0, 1, 0),  beside(0, 0, -1), beside(0, 0, 1)};
 
+constexpr std::uint32_t kNoJob = 0xFFFFFFFF;
+
 /// The octants of a brick that mixed faces join to some of them without leaving the brick.
 OctantMask flood(const WorkBrick& brick, OctantMask octants) {
   for (OctantMask before = 0; octants != before;) {
@@ -56,8 +58,8 @@ SampleMask OctantGrowth::needed(const WorkBrick& brick) const {
   return corners_of(octants);
 }
 
-/// Those of octants with corners that were renamed; while none is active they wait.
-void OctantGrowth::refresh_faces(WorkBrick& brick) const {
+/// Those of octants with corners that were taken; while none is active they wait.
+void OctantGrowth::refresh_faces(WorkBrick& brick, const std::vector<SampleJob>& taken) const {
   static constexpr std::array<Label, kBrickSamples> kNothing = [] {
     std::array<Label, kBrickSamples> labels{};
     labels.fill(kNotSampled);
@@ -65,13 +67,14 @@ void OctantGrowth::refresh_faces(WorkBrick& brick) const {
   }();
   static constexpr SampleMask kNone{};
   std::array<const Label*, 8> from;  // this brick and those above, of which only the lowest layer is wanted
-  std::array<const SampleMask*, 8> renamed;
+  std::array<const SampleMask*, 8> renewed;
   for (int i = 0; i < 8; ++i) {
     const std::uint32_t index = brick.around[beside(i & 1, (i >> 1) & 1, i >> 2)];
     from[static_cast<std::size_t>(i)] = index == kNoBrick ? kNothing.data() : bricks_[index].label.data();
-    renamed[static_cast<std::size_t>(i)] = index == kNoBrick ? &kNone : &bricks_[index].renamed;
+    const std::uint32_t job = index == kNoBrick ? kNoJob : job_of_[index];
+    renewed[static_cast<std::size_t>(i)] = job == kNoJob ? &kNone : &taken[job].samples;
   }
-  brick.stale_faces |= octants_at(renamed);
+  brick.stale_faces |= octants_at(renewed);
   if (brick.active == 0 || brick.stale_faces == 0) return;
   CornerLabels labels;
   for (int z = 0; z <= kBrickSize; ++z) {
@@ -91,34 +94,52 @@ void OctantGrowth::refresh_faces(WorkBrick& brick) const {
   brick.stale_faces = 0;
 }
 
-void OctantGrowth::follow(const std::vector<std::uint32_t>& resampled, int threads) {
-  IndexSet bricks;
-  for (const std::uint32_t index : resampled) {
-    for (int i = 0; i < 8; ++i) {
-      const std::uint32_t below = bricks_[index].around[beside(-(i & 1), -((i >> 1) & 1), -(i >> 2))];
-      if (below != kNoBrick) bricks.add(below);
-    }
+OctantGrowth::Behind OctantGrowth::behind_faces(const WorkBrick& brick) {
+  Behind all{brick.active != 0, 0, {}};
+  for (int face = 0; face < 6; ++face) {
+    const auto f = static_cast<std::size_t>(face);
+    const BesideMasks next = behind(brick.active & brick.mixed_faces[f], face);
+    all.own |= next.own & ~brick.active;
+    all.beside[f] = next.beside;
   }
-  const auto& items = bricks.items();
-  parallel_for(items.size(), 32, threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t n = first; n < last; ++n) refresh_faces(bricks_[items[n]]);
+  return all;
+}
+
+// Bricks are large and far from each other: what needs them runs on all threads, the rest gets by with their indices.
+void OctantGrowth::follow(const std::vector<SampleJob>& taken, int threads) {
+  job_of_.assign(bricks_.capacity(), kNoJob);
+  for (std::uint32_t j = 0; j < taken.size(); ++j) job_of_[taken[j].brick] = j;
+  std::vector<std::array<std::uint32_t, 8>> below(taken.size());
+  parallel_for(taken.size(), 64, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t n = first; n < last; ++n)
+      for (int i = 0; i < 8; ++i)
+        below[n][static_cast<std::size_t>(i)] =
+            bricks_[taken[n].brick].around[beside(-(i & 1), -((i >> 1) & 1), -(i >> 2))];
   });
-  for (const std::uint32_t index : resampled) bricks_[index].renamed = {};
+  IndexSet bricks;
+  for (const auto& around : below)
+    for (const std::uint32_t index : around)
+      if (index != kNoBrick) bricks.add(index);
+  const auto& items = bricks.items();
+  std::vector<Behind> found(items.size());
+  parallel_for(items.size(), 32, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t n = first; n < last; ++n) {
+      refresh_faces(bricks_[items[n]], taken);
+      found[n] = behind_faces(bricks_[items[n]]);
+    }
+  });
   // Activated when all are known: the faces of octants without samples mean nothing.
-  std::vector<std::pair<std::uint32_t, OctantMask>> found;
-  for (const std::uint32_t index : items) {
-    const WorkBrick& brick = bricks_[index];
-    if (brick.active == 0) continue;
-    faces_changed_.add(index);
-    for (int face = 0; face < 6; ++face) {
-      const BesideMasks next = behind(brick.active & brick.mixed_faces[static_cast<std::size_t>(face)], face);
-      if ((next.own & ~brick.active) != 0) found.emplace_back(index, next.own);
-      if (next.beside == 0) continue;
-      const auto d = static_cast<int>(kAcross[static_cast<std::size_t>(face)]);
-      found.emplace_back(bricks_.find_or_add_beside(brick, d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1), next.beside);
+  for (std::size_t n = 0; n < items.size(); ++n) {
+    if (!found[n].active) continue;
+    faces_changed_.add(items[n]);
+    if (found[n].own != 0) activate(items[n], found[n].own);
+    for (std::size_t face = 0; face < 6; ++face) {
+      if (found[n].beside[face] == 0) continue;
+      const auto d = static_cast<int>(kAcross[face]);
+      const std::uint32_t there = bricks_.find_or_add_beside(bricks_[items[n]], d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1);
+      activate(there, found[n].beside[face]);
     }
   }
-  for (const auto& [index, octants] : found) activate(index, octants);
 }
 
 /// Seeks the octants that mixed faces join to `start`, until one is met that is joined to a seed: then true, and all

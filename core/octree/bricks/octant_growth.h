@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -23,22 +24,30 @@ class OctantGrowth {
   /// The samples of a brick that are corners of active octants, its own and those of the bricks below.
   [[nodiscard]] SampleMask needed(const WorkBrick& brick) const;
 
-  /// Samples of these bricks are new: switches on the octants behind faces that became mixed.
-  void follow(const std::vector<std::uint32_t>& resampled, int threads);
+  /// Samples were taken: switches on the octants behind faces that became mixed. One job a brick.
+  void follow(const std::vector<SampleJob>& taken, int threads);
   /// At the end: switches off the octants that lost their last chain to a seed.
   void prune();
 
  private:
   void disturb(std::uint32_t brick, OctantMask octants);
-  void refresh_faces(WorkBrick& brick) const;
+  /// What follow() finds in one brick.
+  struct Behind {
+    bool active;
+    OctantMask own;                    ///< octants behind its mixed faces
+    std::array<OctantMask, 6> beside;  ///< [face] those in the brick across
+  };
+  void refresh_faces(WorkBrick& brick, const std::vector<SampleJob>& taken) const;
+  [[nodiscard]] static Behind behind_faces(const WorkBrick& brick);
   [[nodiscard]] bool find_chain(std::uint32_t brick, OctantMask start);
 
   BrickPool& bricks_;
   IndexSet disturbed_;
-  IndexSet faces_changed_;            ///< bricks whose mixed faces or seeds may have changed in this update
-  std::vector<OctantMask> joined_;    ///< [brick] octants known to be joined to a seed
-  std::vector<OctantMask> chained_;   ///< [brick] octants of the chain that was sought last
-  std::vector<std::uint32_t> chain_;  ///< the bricks that it runs through
+  IndexSet faces_changed_;             ///< bricks whose mixed faces or seeds may have changed in this update
+  std::vector<std::uint32_t> job_of_;  ///< [brick] among those followed, or kNoJob
+  std::vector<OctantMask> joined_;     ///< [brick] octants known to be joined to a seed
+  std::vector<OctantMask> chained_;    ///< [brick] octants of the chain that was sought last
+  std::vector<std::uint32_t> chain_;   ///< the bricks that it runs through
 };
 
 }  // namespace sonoloft

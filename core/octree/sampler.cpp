@@ -27,8 +27,7 @@ Sampler::Sampler(const CellComplex& cells, const ContourSlopes* slopes, FieldEva
       packed_of_cell_(cells.cell_bound(), kNotPacked) {}
 
 Result<void> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs) {
-  jobs_ = jobs.size();
-  if (located_.size() < jobs_) located_.resize(jobs_);
+  if (located_.size() < jobs.size()) located_.resize(jobs.size());
   parallel_for(jobs.size(), 16, threads_, [&](std::size_t first, std::size_t last) {
     const auto scratch = scratches_.take();
     for (std::size_t j = first; j < last; ++j) locate(jobs[j], bricks[jobs[j].brick].coord, *scratch, located_[j]);
@@ -60,13 +59,9 @@ Result<void> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs
       name_labels(jobs[j].samples, brick.shares.palette, brick.shares.share, brick.label);
     }
   });
+  first_taken_ = 0;
+  for (std::size_t j = 0; j < jobs.size(); ++j) first_taken_ += located_[j].first_taken;
   return {};
-}
-
-std::size_t Sampler::first_taken() const {
-  std::size_t count = 0;
-  for (std::size_t j = 0; j < jobs_; ++j) count += located_[j].first_taken;
-  return count;
 }
 
 Sampler::Axes Sampler::axes_mm(BrickCoord brick) const {

@@ -28,7 +28,7 @@ class Sampler {
   [[nodiscard]] Result<void> take(BrickPool& bricks, const std::vector<SampleJob>& jobs);
 
   /// How many of those of the last take() had not been taken before.
-  [[nodiscard]] std::size_t first_taken() const;
+  [[nodiscard]] std::size_t first_taken() const { return first_taken_; }
   /// Calls visit(cell, brick) where the last take() found samples of a brick in a cell that had none of it.
   template <class Visit>
   void for_new_cells(const std::vector<SampleJob>& jobs, const Visit& visit) const {
@@ -48,9 +48,8 @@ class Sampler {
   struct Group {
     std::uint32_t job, packed;
     std::uint32_t first, count;  ///< in Located::index
-    std::uint32_t block,
-        lane;     ///< of the batch; block kNoBlock: the cell is constant
-    bool is_new;  ///< the brick had no other samples in the cell
+    std::uint32_t block, lane;   ///< of the batch; block kNoBlock: the cell is constant
+    bool is_new;                 ///< the brick had no other samples in the cell
   };
   /// The samples of one job, those of one cell together.
   struct Located {
@@ -114,10 +113,9 @@ class Sampler {
   std::vector<CellFace> faces_;
   std::vector<std::uint32_t> apart_;  ///< room to work in
   std::vector<FaceBends> bends_;
-  std::size_t jobs_ = 0;          ///< of the last take()
   std::vector<Located> located_;  ///< [>= #jobs]
   std::vector<Group> groups_;     ///< by job
-  std::size_t evaluated_ = 0, edge_evaluations_ = 0;
+  std::size_t first_taken_ = 0, evaluated_ = 0, edge_evaluations_ = 0;
   double field_ms_ = 0;
 };
 

@@ -12,15 +12,10 @@ namespace {
 /// 1/4 of the Laplacian of the Laplacian, each of them a third of what second_differences() gives.
 constexpr float kStrength = 0.25F / 9;
 
-/// 1 for each of four bits that is set.
-constexpr auto kOnes = [] {
-  std::array<std::array<float, kFour>, 16> ones{};
-  for (unsigned bits = 0; bits < 16; ++bits)
-    for (unsigned i = 0; i < kFour; ++i) ones[bits][i] = (bits >> i & 1) != 0 ? 1.0F : 0.0F;
-  return ones;
-}();
-Four ones(unsigned bits) {
-  return load_four(kOnes[bits & 15].data());
+/// Those of four numbers of which the bit is set, else 0, whatever the number is.
+Four where_set(unsigned bits, Four numbers) {
+  constexpr FourInts kBits = {1, 2, 4, 8};
+  return (static_cast<int>(bits) & kBits) != 0 ? numbers : Four{};
 }
 
 /// Bit x: where two rows differ.
@@ -113,7 +108,7 @@ void Smoother::find_rows(const SampleMask& movable) {
   }
 }
 
-/// What lies in rows without samples is left from earlier labels and counts 0 times.
+/// What lies in rows without samples is left from earlier labels, and not taken.
 void Smoother::gather_share(Label label) {
   static constexpr std::array<float, kBrickSamples> kNone{};
   std::array<const float*, 27> shares;
@@ -168,7 +163,7 @@ Four Smoother::second_differences(const float* at, const std::array<unsigned, 3>
   Four sum{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Four before = load_four(at - kStep[axis]), after = load_four(at + kStep[axis]);
-    sum += ones(both_sides[axis] >> shift) * (0.5F * (before + after) - load_four(at));
+    sum += where_set(both_sides[axis] >> shift, 0.5F * (before + after) - load_four(at));
   }
   return sum;
 }
@@ -184,7 +179,8 @@ void Smoother::move(float* share, float* first_share) {
     for (int x = 0; x < kBrickSize; x += static_cast<int>(kFour)) {
       const Row& row = rows_[r];
       const float* second = second_.data() + kSide * row.index + kReach + x;
-      const Four change = kStrength * ones(row.movable >> x) * second_differences(second, row.both_sides, x + kReach);
+      const Four fourth = second_differences(second, row.both_sides, x + kReach);
+      const Four change = where_set(row.movable >> x, kStrength * fourth);
       const std::size_t at = row.first + static_cast<std::size_t>(x);
       store_four(load_four(share + at) - change, share + at);
       store_four(load_four(first_share + at) + change, first_share + at);

@@ -18,7 +18,6 @@ float* ShareTable::row(Label label) {
   const auto at = it - palette.begin();
   if (it == palette.end() || *it != label) {
     palette.insert(it, label);
-    share.reserve(2 * kBrickSamples);  // most have a border of two labels
     share.insert(share.begin() + at * kBrickSamples, kBrickSamples, 0.0f);
   }
   return share.data() + at * kBrickSamples;

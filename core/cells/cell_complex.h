@@ -93,7 +93,9 @@ class CellComplex {
       CellId restored;         ///< the cell that the slice had cut first, whole again
     };
     std::vector<CellId> removed;  ///< cells that are no more, ascending: their field must be computed again
+    std::vector<SliceId> slices;  ///< of which walls are no more, ascending: itself and those that cut there later
     std::vector<Region> regions;
+    Work work;  ///< its edges clipped: of what labels the walls of the cells made whole
   };
 
   /// @param min_gap_mm  a cell is cut only if both parts reach at least this far from the plane: of near-coincident
@@ -119,7 +121,7 @@ class CellComplex {
   /// Makes whole again what a slice has cut, the cuts of later slices there included: call insert_again() for every
   /// slice held, in their order.
   /// @pre  the slice is held
-  /// @cost O(tree nodes + cells removed, + per region the length of its path squared times the edges of slices there)
+  /// @cost O(tree nodes + cells, + per region the length of its path and the edges of the slices at its walls)
   [[nodiscard]] Withdrawal withdraw(SliceId slice);
   /// The same as insert() for a slice that is held, within the regions of a withdrawal.
   [[nodiscard]] Delta insert_again(SliceId slice, const Withdrawal& where, const PartWidth& width = anywhere);

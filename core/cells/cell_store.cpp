@@ -129,7 +129,7 @@ CellId CellStore::locate(const Eigen::Vector3d& point_mm) const {
 Result<CellComplex::Delta> CellStore::insert(Section section, const CellComplex::PartWidth& width) {
   CellComplex::Delta delta;
   std::vector<Fragment> all;
-  all.push_back({root, whole_section(*this, section)});
+  all.push_back({root, whole_section(*this, section, delta.work)});
   std::vector<Arrival> reached = walk(*this, section.image_to_reference, std::move(all), delta.work);
   if (reached.empty())
     return fail(ErrorCode::outside_box,

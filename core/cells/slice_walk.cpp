@@ -5,7 +5,7 @@
 
 namespace sonoloft {
 
-FacePolygon whole_section(const CellStore& store, const Section& section) {
+FacePolygon whole_section(const CellStore& store, const Section& section, CellComplex::Work& work) {
   const Eigen::Isometry3d reference_to_image = section.image_to_reference.inverse();
   Eigen::AlignedBox2d extent;
   for (int i = 0; i < 8; ++i)
@@ -20,10 +20,12 @@ FacePolygon whole_section(const CellStore& store, const Section& section) {
   }
   for (std::uint32_t wall = 0; wall < kBoxWalls; ++wall) {
     ImageLine line;
-    if (store.line_on(wall, section.image_to_reference, line))
+    if (store.line_on(wall, section.image_to_reference, line)) {
+      work.edges_clipped += static_cast<std::uint32_t>(polygon.size());
       polygon = split(polygon, line).second;
-    else if (line.offset_mm < 0.0)
+    } else if (line.offset_mm < 0.0) {
       return {};
+    }
   }
   return polygon;
 }

@@ -20,7 +20,7 @@ struct Fragment {
 };
 
 /// The section as one labelled polygon that fills the box's cross-section.
-[[nodiscard]] FacePolygon whole_section(const CellStore& store, const Section& section);
+[[nodiscard]] FacePolygon whole_section(const CellStore& store, const Section& section, CellComplex::Work& work);
 
 /// Sends parts of a slice down the tree; what arrives in a leaf with a known part has reached that cell. Ascending.
 [[nodiscard]] std::vector<Arrival> walk(const CellStore& store, const Eigen::Isometry3d& frame,

@@ -24,6 +24,39 @@ Octant octant_at(const Eigen::Vector3d& steps) {
 
 }  // namespace
 
+/// A cell with the slices of its walls: these are still there.
+class ContourNews::Region {
+ public:
+  Region(const CellComplex& cells, CellId cell) {
+    std::vector<CellFace> faces;
+    cells.faces(cell, faces);
+    for (const CellFace& face : faces) {
+      const Eigen::Vector3d inwards = (face.above ? 1 : -1) * face.image_to_reference->linear().col(2);
+      walls_.push_back({inwards, -inwards.dot(face.image_to_reference->translation())});
+      if (const auto slice = cells.slice_of(face.plane)) slices_.push_back(*slice);
+    }
+  }
+
+  /// Whether a point of the contours of a slice lies in it, and not on a wall.
+  [[nodiscard]] bool contains(const Eigen::Vector3d& point_mm, SliceId slice) const {
+    return may_reach(point_mm, Eigen::Vector3d::Zero()) && std::ranges::find(slices_, slice) == slices_.end();
+  }
+  /// Whether it may reach into a box.
+  [[nodiscard]] bool may_reach(const Eigen::Vector3d& centre_mm, const Eigen::Vector3d& half_mm) const {
+    return std::ranges::all_of(walls_, [&](const Wall& wall) {
+      return wall.inwards.dot(centre_mm) + wall.inwards.cwiseAbs().dot(half_mm) + wall.offset_mm > 0.0;
+    });
+  }
+
+ private:
+  struct Wall {
+    Eigen::Vector3d inwards;
+    double offset_mm;
+  };
+  std::vector<Wall> walls_;
+  std::vector<SliceId> slices_;
+};
+
 void ContourNews::add(const CellComplex& cells, const CellComplex::Delta& delta) {
   std::vector<CellFace> faces;
   for (const CellId cell : delta.upper) {
@@ -43,34 +76,28 @@ void ContourNews::add(const CellComplex& cells, const CellComplex::Delta& delta)
 }
 
 void ContourNews::remove(const CellComplex& cells, const CellComplex::Withdrawal& withdrawal, BrickPool& bricks) {
-  std::vector<CellFace> faces;
+  if (std::ranges::all_of(withdrawal.slices, [&](SliceId slice) { return cells.section(slice).edges.empty(); })) return;
+  const std::vector<std::uint32_t> all = bricks.indices();
   for (const CellComplex::Withdrawal::Region& region : withdrawal.regions) {
-    cells.faces(region.restored, faces);
-    // Slices that bound the region are not inserted there again.
-    forget(bricks, [&](const Eigen::Vector3d& p, SliceId slice) {
-      return std::all_of(faces.begin(), faces.end(), [&](const CellFace& face) {
-        const double z = (face.image_to_reference->inverse() * p).z();
-        return (face.above ? z : -z) > 0.0 && cells.slice_of(face.plane) != slice;
-      });
-    });
+    const Region of(cells, region.restored);
+    std::erase_if(new_, [&](const Contour& c) { return of.contains(0.5 * (c.a + c.b), c.slice); });
+    for (const std::uint32_t index : all) forget(of, bricks[index], index);
   }
 }
 
-/// Forgets the contours of which the middle and the slice are taken.
-template <class Taken>
-void ContourNews::forget(BrickPool& bricks, const Taken& taken) {
-  std::erase_if(new_, [&](const Contour& c) { return taken(0.5 * (c.a + c.b), c.slice); });
-  for (const std::uint32_t index : bricks.indices()) {
-    WorkBrick& brick = bricks[index];
-    const std::size_t gone = std::erase_if(brick.contours, [&](const ContourPiece& piece) {
-      return taken(origin_mm_ + spacing_mm_ * middle(brick, piece), piece.slice);
-    });
-    if (gone == 0) continue;
-    changed_.add(index);
-    unseeded_.add(index);
-    brick.contour_seeds = 0;
-    for (const ContourPiece& piece : brick.contours) brick.contour_seeds |= octant_at(middle(brick, piece)).bit();
-  }
+/// Forgets the contours of a brick that run through a region.
+void ContourNews::forget(const Region& region, WorkBrick& brick, std::uint32_t index) {
+  if (brick.contours.empty()) return;
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5 * kBrickSize);
+  if (!region.may_reach(origin_mm_ + spacing_mm_ * (first_sample(brick) + half), spacing_mm_ * half)) return;
+  const std::size_t gone = std::erase_if(brick.contours, [&](const ContourPiece& piece) {
+    return region.contains(origin_mm_ + spacing_mm_ * middle(brick, piece), piece.slice);
+  });
+  if (gone == 0) return;
+  changed_.add(index);
+  unseeded_.add(index);
+  brick.contour_seeds = 0;
+  for (const ContourPiece& piece : brick.contours) brick.contour_seeds |= octant_at(middle(brick, piece)).bit();
 }
 
 void ContourNews::trace(BrickPool& bricks, OctantGrowth& growth) {

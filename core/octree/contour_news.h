@@ -17,7 +17,7 @@ class ContourNews {
 
   /// Those on the walls that a slice made.
   void add(const CellComplex& cells, const CellComplex::Delta& delta);
-  /// Forgets those on the walls that went with a slice. @cost O(contour pieces of all bricks)
+  /// Forgets those on the walls that went with a slice. @cost O(bricks + contour pieces in those that a region reaches)
   void remove(const CellComplex& cells, const CellComplex::Withdrawal& withdrawal, BrickPool& bricks);
 
   /// Hands the pieces of the new ones to the bricks that they run through, and switches octants on and off.
@@ -32,8 +32,8 @@ class ContourNews {
     Label lower, upper;
     SliceId slice;
   };
-  template <class Taken>
-  void forget(BrickPool& bricks, const Taken& taken);
+  class Region;
+  void forget(const Region& region, WorkBrick& brick, std::uint32_t index);
   void trace(const Contour& contour, BrickPool& bricks, OctantGrowth& growth, std::uint32_t& near);
   void sort_pieces(BrickPool& bricks) const;
 

@@ -75,6 +75,20 @@ TEST_CASE("cells: a slice withdrawn leaves the field of the same slices without 
   CHECK(largest < 1e-6);
 }
 
+TEST_CASE("cells: withdrawing the last slice of a stack clips as many edges after 64 slices as after 8") {
+  std::vector<std::uint32_t> clipped;
+  for (const int count : {8, 64}) {
+    CellComplex cells(kBox, kGap_mm);
+    for (int i = 0; i < count; ++i)
+      REQUIRE(cells.insert(test::section_of_discs(test::frame_at({0, 0, -40.0 + 80.0 * i / count}, {0, 0, 1}),
+                                                  {{{-16, 0}, 9, 1}, {{16, 0}, 8, 2}})));
+    clipped.push_back(cells.withdraw(cells.slices().back()).work.edges_clipped);
+    CHECK(cells.validate() == "");
+  }
+  CHECK(clipped[0] > 0);
+  CHECK(clipped[1] == clipped[0]);
+}
+
 TEST_CASE("cells: withdrawing every slice in any order leaves an empty box") {
   std::mt19937 rng(9);
   CellComplex cells(kBox, kGap_mm);

@@ -8,23 +8,15 @@
 #include "core/slice/parallel.h"
 
 namespace sonoloft {
-namespace {
-
-constexpr std::uint32_t kNotPacked = 0xFFFFFFFF;
-constexpr std::uint32_t kBoxWalls = 6;
-
-}  // namespace
-
 Sampler::Sampler(const CellComplex& cells, const ContourSlopes* slopes, FieldEvaluator& evaluator,
                  const UnmeasuredFill& fill, const Eigen::Vector3d& origin_mm, double spacing_mm, int threads)
     : cells_(cells),
-      slopes_(slopes),
+      sampled_(cells, slopes, fill),
       evaluator_(evaluator),
       fill_(fill),
       origin_mm_(origin_mm),
       spacing_mm_(spacing_mm),
-      threads_(threads),
-      packed_of_cell_(cells.cell_bound(), kNotPacked) {}
+      threads_(threads) {}
 
 Result<void> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs) {
   if (located_.size() < jobs.size()) located_.resize(jobs.size());
@@ -37,14 +29,12 @@ Result<void> Sampler::take(BrickPool& bricks, const std::vector<SampleJob>& jobs
   std::vector<std::size_t> first_group(1, 0);
   groups_.clear();
   for (std::uint32_t j = 0; j < jobs.size(); ++j) {
-    for (const CellPoints& points : located_[j].cells) {
-      const auto cell = static_cast<std::uint32_t>(points.cell);
-      if (packed_of_cell_[cell] == kNotPacked) pack(cell);
-      groups_.push_back({j, packed_of_cell_[cell], points.first, points.count, kNoBlock, 0, false});
-    }
+    for (const CellPoints& points : located_[j].cells)
+      groups_.push_back({j, sampled_.find_or_add(points.cell), points.first, points.count, kNoBlock, 0, false});
     first_group.push_back(groups_.size());
     evaluated_ += located_[j].index.size();
   }
+  sampled_.pack(batch_.cells, threads_);
   if (auto done = evaluate(bricks, jobs); !done) return done;
   field_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 
@@ -91,41 +81,6 @@ void Sampler::locate(const SampleJob& job, BrickCoord brick, Scratch& scratch, L
   cells_.locate(bounds, scratch.points_mm, scratch.order, out.cells);
   out.index.resize(scratch.order.size());
   for (std::size_t i = 0; i < out.index.size(); ++i) out.index[i] = scratch.index[scratch.order[i]];
-}
-
-/// The rim that says something about the unknown part of a face of a cell, or null.
-const Rim* Sampler::rim_at(const CellFace& face, const Eigen::AlignedBox3d& cell) const {
-  const std::optional<SliceId> slice = cells_.slice_of(face.plane);
-  if (!slice || !has_unknown(*face.polygon)) return nullptr;
-  const Rim& rim = fill_.rim(*slice);
-  return rim.reaches(cell.center(), 0.5 * cell.diagonal().norm()) ? &rim : nullptr;
-}
-
-void Sampler::pack(std::uint32_t cell) {
-  cells_.faces(CellId{cell}, faces_);
-  apart_.clear();
-  const auto first_rim = static_cast<std::uint32_t>(rims_.size());
-  const Eigen::AlignedBox3d bounds = cells_.bounds(CellId{cell});
-  for (std::uint32_t i = 0; fill_.rim && i < faces_.size(); ++i)
-    if (const Rim* rim = rim_at(faces_[i], bounds)) {
-      apart_.push_back(i);
-      rims_.push_back(rim);
-    }
-  rims_of_packed_.push_back({first_rim, static_cast<std::uint32_t>(apart_.size())});
-  bends_.clear();
-  for (const CellFace& face : faces_) {
-    const std::optional<SliceId> slice = slopes_ == nullptr ? std::nullopt : cells_.slice_of(face.plane);
-    bends_.push_back(slice ? FaceBends{&cells_.section(*slice), slopes_->bends(*slice)} : FaceBends{});
-  }
-  packed_of_cell_[cell] = batch_.cells.add(faces_, cells_.centre(CellId{cell}), apart_, bends_);
-  cell_of_packed_.push_back(cell);
-  const auto first = static_cast<std::uint32_t>(pins_.size());
-  for (const CellFace& face : faces_) {
-    if (static_cast<std::uint32_t>(face.plane) < kBoxWalls || face.label == kUnknown) continue;
-    const Eigen::Vector3d normal = face.image_to_reference->linear().col(2);
-    pins_.push_back({normal, -normal.dot(face.image_to_reference->translation())});
-  }
-  pins_of_packed_.push_back({first, static_cast<std::uint32_t>(pins_.size()) - first});
 }
 
 /// One block a cell, so that a cell's edges are read once for the points of all
@@ -182,13 +137,11 @@ void Sampler::pin(WorkBrick& brick, const Group& group) const {
       spacing_mm_ * Eigen::Vector3d(kBrickSize * brick.coord.x, kBrickSize * brick.coord.y, kBrickSize * brick.coord.z);
   const Eigen::Vector3d centre = lowest + Eigen::Vector3d::Constant(0.5 * spacing_mm_ * (kBrickSize - 1));
   const std::span<const std::uint16_t> index = samples_of(group);
-  const Range range = pins_of_packed_[group.packed];
   std::vector<float>& before = brick.smooth.slice_steps;
   std::array<float, kBrickSamples> steps;
   std::fill_n(steps.begin(), index.size(), kFarFromSlices);
   bool any_near = !before.empty();
-  for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
-    const PinPlane& plane = pins_[i];
+  for (const SampledCells::PinPlane& plane : sampled_.pins(group.packed)) {
     const double reach = 0.5 * spacing_mm_ * (kBrickSize - 1) * plane.normal.lpNorm<1>();
     if (std::abs(plane.normal.dot(centre) + plane.offset_mm) > reach + 1.001 * kFarFromSlices * spacing_mm_) continue;
     any_near = true;
@@ -226,7 +179,7 @@ void Sampler::store(WorkBrick& brick, Group& group, Scratch& scratch) const {
   if (partly_unknown) fill_unmeasured(brick, group, scratch);
   SampleMask samples;
   for (const std::uint16_t i : index) samples.set(i);
-  group.is_new = brick.add(cell_of_packed_[group.packed], samples);
+  group.is_new = brick.add(static_cast<std::uint32_t>(sampled_.cell(group.packed)), samples);
   pin(brick, group);
 }
 

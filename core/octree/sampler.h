@@ -7,6 +7,7 @@
 #include "core/cells/cell_complex.h"
 #include "core/field/field_evaluator.h"
 #include "core/octree/bricks/brick_pool.h"
+#include "core/octree/sampled_cells.h"
 #include "core/octree/unmeasured_fill.h"
 #include "core/slice/scratch_pool.h"
 #include "core/slopes/contour_slopes.h"
@@ -33,7 +34,7 @@ class Sampler {
   template <class Visit>
   void for_new_cells(const std::vector<SampleJob>& jobs, const Visit& visit) const {
     for (const Group& group : groups_)
-      if (group.is_new) visit(cell_of_packed_[group.packed], jobs[group.job].brick);
+      if (group.is_new) visit(static_cast<std::uint32_t>(sampled_.cell(group.packed)), jobs[group.job].brick);
   }
 
   [[nodiscard]] std::size_t evaluated() const { return evaluated_; }
@@ -57,15 +58,6 @@ class Sampler {
     std::vector<CellPoints> cells;
     std::uint32_t first_taken;
   };
-  /// A slice beside which samples are pinned: normal . x + offset = signed
-  /// distance, mm.
-  struct PinPlane {
-    Eigen::Vector3d normal;
-    double offset_mm;
-  };
-  struct Range {
-    std::uint32_t first, count;
-  };
   /// Room to work in for the samples of one brick, used again for brick after
   /// brick.
   struct Scratch {
@@ -86,8 +78,6 @@ class Sampler {
   static void positions_mm(const Axes& axes_mm, std::span<const std::uint16_t> samples,
                            std::vector<Eigen::Vector3d>& out);
   void locate(const SampleJob& job, BrickCoord brick, Scratch& scratch, Located& out) const;
-  void pack(std::uint32_t cell);
-  [[nodiscard]] const Rim* rim_at(const CellFace& face, const Eigen::AlignedBox3d& cell) const;
   [[nodiscard]] Result<void> evaluate(const BrickPool& bricks, const std::vector<SampleJob>& jobs);
   [[nodiscard]] const float* shares(const Group& group, std::size_t slot) const;
   void store(WorkBrick& brick, Group& group, Scratch& scratch) const;
@@ -96,7 +86,7 @@ class Sampler {
   void pin(WorkBrick& brick, const Group& group) const;
 
   const CellComplex& cells_;
-  const ContourSlopes* slopes_;
+  SampledCells sampled_;
   FieldEvaluator& evaluator_;
   const UnmeasuredFill& fill_;
   Eigen::Vector3d origin_mm_;
@@ -104,15 +94,6 @@ class Sampler {
   int threads_;
   FieldBatch batch_;
   ScratchPool<Scratch> scratches_;
-  std::vector<std::uint32_t> packed_of_cell_;  ///< [cell] index in batch_.cells, kNotPacked
-  std::vector<std::uint32_t> cell_of_packed_;
-  std::vector<Range> pins_of_packed_;
-  std::vector<PinPlane> pins_;
-  std::vector<Range> rims_of_packed_;
-  std::vector<const Rim*> rims_;  ///< of the last slots of a cell
-  std::vector<CellFace> faces_;
-  std::vector<std::uint32_t> apart_;  ///< room to work in
-  std::vector<FaceBends> bends_;
   std::vector<Located> located_;  ///< [>= #jobs]
   std::vector<Group> groups_;     ///< by job
   std::size_t first_taken_ = 0, evaluated_ = 0, edge_evaluations_ = 0;

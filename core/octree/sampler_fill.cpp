@@ -14,7 +14,7 @@ void Sampler::fill_unmeasured(WorkBrick& brick, const Group& group, Scratch& scr
   for (const std::uint16_t i : index) scratch.filled.push_back(brick.smooth.unmeasured[i]);
   fill_from_rims(brick, group, scratch);
   if (fill_.shares) {
-    fill_.shares(CellId{cell_of_packed_[group.packed]}, scratch.points_mm, filling);
+    fill_.shares(sampled_.cell(group.packed), scratch.points_mm, filling);
   } else {
     filling.labels.assign(1, kOutside);
     filling.share.assign(index.size(), 1.0f);
@@ -29,11 +29,11 @@ void Sampler::fill_unmeasured(WorkBrick& brick, const Group& group, Scratch& scr
 /// In the unknown part of a wall a rim weighs its labels against the rest: these get B / (1 + sum of B) of it.
 void Sampler::fill_from_rims(WorkBrick& brick, const Group& group, Scratch& scratch) const {
   const std::span<const std::uint16_t> index = samples_of(group);
-  const Range range = rims_of_packed_[group.packed];
-  const std::size_t first_slot = batch_.cells.labels(group.packed).size() - range.count;
-  for (std::uint32_t r = 0; r < range.count; ++r) {
+  const std::span<const Rim* const> rims = sampled_.rims(group.packed);
+  const std::size_t first_slot = batch_.cells.labels(group.packed).size() - rims.size();
+  for (std::size_t r = 0; r < rims.size(); ++r) {
     PointWeights& rim = scratch.rim;
-    rims_[range.first + r]->weigh(scratch.points_mm, rim);
+    rims[r]->weigh(scratch.points_mm, rim);
     const float* share = shares(group, first_slot + r);
     for (std::size_t k = 0; k < index.size(); ++k) {
       float total = 1;

@@ -67,6 +67,32 @@ std::uint32_t PackedCells::add(std::span<const CellFace> faces, const Eigen::Vec
   return index;
 }
 
+void PackedCells::append(const PackedCells& others) {
+  const auto behind = [](auto& all, const auto& more, auto rebase) {
+    const auto first = all.insert(all.end(), more.begin(), more.end());
+    std::for_each(first, all.end(), rebase);
+  };
+  const auto as_is = [](const auto&) {};
+  const auto size = [](const auto& all) { return static_cast<std::uint32_t>(all.size()); };
+  const std::uint32_t first_face = size(faces_), first_run = size(runs_), first_edge = size(edges_),
+                      first_vertex = size(vertices_), first_stretch = size(stretches_), first_label = size(labels_);
+  behind(cells_, others.cells_,
+         [&](kernels::PackedCell& cell) { cell.first_face += first_face, cell.first_label += first_label; });
+  behind(runs_, others.runs_, as_is);
+  behind(faces_, others.faces_, [&](kernels::PackedFace& face) {
+    face.first_run += first_run, face.first_outline += first_edge;
+    const std::span runs = std::span(runs_).subspan(face.first_run, face.rigid_count + face.bent_count);
+    for (kernels::PackedRun& run : runs.first(face.rigid_count)) run.first += first_edge;
+    for (kernels::PackedRun& run : runs.last(face.bent_count))
+      run.first += first_vertex, run.first_stretch += first_stretch;
+  });
+  behind(edges_, others.edges_, as_is);
+  behind(vertices_, others.vertices_, as_is);
+  behind(stretches_, others.stretches_, [&](kernels::PackedStretch& stretch) { stretch.first += first_vertex; });
+  behind(labels_, others.labels_, as_is);
+  behind(centres_mm_, others.centres_mm_, as_is);
+}
+
 std::uint32_t PackedCells::edge_count(std::uint32_t cell) const {
   std::uint32_t count = 0;
   const kernels::PackedCell& c = cells_[cell];

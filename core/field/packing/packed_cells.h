@@ -28,6 +28,9 @@ class PackedCells {
   std::uint32_t add(std::span<const CellFace> faces, const Eigen::Vector3d& centre_mm,
                     std::span<const std::uint32_t> apart = {}, std::span<const FaceBends> bends = {});
 
+  /// Appends the cells of another one, as if each had been added here. @cost O(what they hold), allocates
+  void append(const PackedCells& others);
+
   [[nodiscard]] std::size_t size() const { return cells_.size(); }
   /// The label of each slot, ascending: kUnknown comes last, once for all walls with unknown parts that are not apart,
   /// then once for each that is.

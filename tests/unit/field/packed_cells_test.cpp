@@ -194,3 +194,30 @@ TEST_CASE("packed cells: the edges of a contour are one chain, in whatever order
   }
   CHECK(contours == 2);
 }
+
+TEST_CASE("packed cells: cells packed in parts and joined are those packed one after the other, to the last bit") {
+  test::Random random(11);
+  const std::array<Label, 4> labels = {0, 1, 2, kUnknown};
+  PackedCells whole, first, rest;
+  for (int i = 0; i < 5; ++i)
+    for (const FieldCell& cell : {FieldCell(test::random_walls(random, 9, labels, 8, 50.0)), test::wavy_cell(100 + i),
+                                  cube({3, 3, 3, 3, 3, 3})}) {
+      whole.add(cell.faces(), cell.centre(), {}, cell.bends());
+      (i < 2 ? first : rest).add(cell.faces(), cell.centre(), {}, cell.bends());
+    }
+  PackedCells joined;
+  for (const PackedCells* part : {&first, &rest}) joined.append(*part);
+  CHECK(joined.size() == 15);
+  CHECK(joined.stretches().size() > first.stretches().size());
+  const auto same = [](const auto& a, const auto& b) { return std::ranges::equal(std::as_bytes(a), std::as_bytes(b)); };
+  CHECK(same(joined.cells(), whole.cells()));
+  CHECK(same(joined.faces(), whole.faces()));
+  CHECK(same(joined.runs(), whole.runs()));
+  CHECK(same(joined.edges(), whole.edges()));
+  CHECK(same(joined.vertices(), whole.vertices()));
+  CHECK(same(joined.stretches(), whole.stretches()));
+  for (std::uint32_t i = 0; i < joined.size(); ++i) {
+    CHECK(slots(joined, i) == slots(whole, i));
+    CHECK(joined.centre_mm(i) == whole.centre_mm(i));
+  }
+}

@@ -253,6 +253,17 @@ double SampleOctree::spacing_mm() const {
 std::size_t SampleOctree::sample_count() const {
   return state_->samples;
 }
+std::size_t SampleOctree::stale_count() const {
+  const State& s = *state_;
+  std::size_t count = 0;
+  for (const std::uint32_t cell : s.changed_cells.items()) {
+    if (cell >= s.bricks_of_cell.size()) continue;
+    for (const std::uint32_t index : s.bricks_of_cell[cell])
+      for (const SamplesInCell& in : s.bricks[index].in_cells)
+        if (in.cell == cell) count += static_cast<std::size_t>(in.samples.count());
+  }
+  return count;
+}
 std::size_t SampleOctree::brick_count() const {
   return state_->bricks.size();
 }

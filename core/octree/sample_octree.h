@@ -44,7 +44,7 @@ class SampleOctree final : public SampleLattice {
   /// @cost O(edges of the new contours)
   void note(const CellComplex& cells, const CellComplex::Delta& delta);
 
-  /// The same for every CellComplex::withdraw(). @cost O(contour pieces of all bricks)
+  /// The same for every CellComplex::withdraw().
   void note(const CellComplex& cells, const CellComplex::Withdrawal& withdrawal);
   /// The same for every Background::update().
   void note(const Background& background, std::span<const BackgroundChange> changes);
@@ -63,6 +63,8 @@ class SampleOctree final : public SampleLattice {
   [[nodiscard]] Eigen::Vector3d origin_mm() const override;
   [[nodiscard]] double spacing_mm() const override;
   [[nodiscard]] std::size_t sample_count() const;
+  /// Of these, those in cells that are noted as changed: the next update() takes them again. @cost O(bricks there)
+  [[nodiscard]] std::size_t stale_count() const;
   [[nodiscard]] std::size_t brick_count() const;
 
  private:

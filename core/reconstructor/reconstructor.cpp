@@ -28,6 +28,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kMergeGap = 0.25;
 /// Spacing of the next coarser detail over that of a detail.
 constexpr double kCoarser = 2;
+static_assert(kOverNextCoarser == kCoarser * kCoarser, "samples lie at surfaces");
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -47,6 +48,7 @@ struct Level {
   SampleOctree octree;
   SurfaceExtractor surface;
   std::vector<CellId> unsettled;  ///< ascending: sampled with slopes that are no more
+  double drawn = 0;               ///< State::drawn_in_full() when it was brought up to date
 };
 
 void sort_unique(std::vector<CellId>& cells) {
@@ -180,6 +182,15 @@ struct Reconstructor::State {
     const auto it = widths.find(cell);
     return it == widths.end() ? std::numeric_limits<double>::infinity() : it->second;
   }
+  /// Samples in full detail of the surfaces that are drawn in any: a detail that waits for its turn lacks some of them.
+  [[nodiscard]] double drawn_in_full() const {
+    double most = 0, in_full = 1;
+    for (const Level& l : levels) {
+      most = std::max(most, in_full * static_cast<double>(l.octree.sample_count()));
+      in_full *= kOverNextCoarser;
+    }
+    return most;
+  }
   [[nodiscard]] Level& level(Detail detail) { return levels[static_cast<std::size_t>(detail)]; }
 };
 
@@ -278,6 +289,7 @@ Result<UpdateReport> Reconstructor::update(Detail detail, Slopes slopes) {
   auto change =
       level.octree.update(s.cells, s.slopes ? &*s.slopes : nullptr, *s.evaluator, s.fill(), s.options.threads);
   if (!change) return tl::unexpected<Error>(change.error());
+  level.drawn = s.drawn_in_full();
   report.samples_evaluated = change->evaluated;
   report.edge_evaluations = change->edge_evaluations;
   report.bricks_smoothed = change->smoothed_bricks;
@@ -289,6 +301,17 @@ Result<UpdateReport> Reconstructor::update(Detail detail, Slopes slopes) {
   report.chunks_rebuilt = level.surface.chunks_rebuilt();
   report.mesh_ms = ms_since(start);
   return report;
+}
+
+std::array<std::size_t, kDetails> Reconstructor::samples_due() const {
+  const double drawn = state_->drawn_in_full();
+  std::array<std::size_t, kDetails> due{};
+  double in_full = 1;
+  for (std::size_t d = 0; d < kDetails; ++d, in_full *= kOverNextCoarser) {
+    const Level& level = state_->levels[d];
+    due[d] = level.octree.stale_count() + static_cast<std::size_t>(std::max(drawn - level.drawn, 0.0) / in_full);
+  }
+  return due;
 }
 
 MeshSnapshot Reconstructor::mesh() const {

@@ -1,6 +1,7 @@
 #pragma once
 // slice -> cells -> field -> octree -> mesh -> callback: all five stages, joined
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -41,6 +42,8 @@ enum class Detail : std::uint8_t {
   draft,   ///< at four times that spacing: while they come faster than coarse detail allows
 };
 inline constexpr std::size_t kDetails = 3;
+/// Surface samples and triangles of a detail over those of the next coarser one, about.
+inline constexpr int kOverNextCoarser = 4;
 
 /// Whether an update() follows the slopes that a slice changed in cells that it did not cut. It matters to
 /// FieldMethod::smooth only.
@@ -97,6 +100,11 @@ class Reconstructor {
   /// Brings the mesh of one detail up to date with all slices added; that of the other waits for its turn.
   /// @error opencl_failed
   [[nodiscard]] Result<UpdateReport> update(Detail detail = Detail::full, Slopes slopes = Slopes::settled);
+
+  /// [Detail] About how many samples a streaming update() of each detail would take now: what its time goes with.
+  /// Surfaces that are not drawn in any detail yet are not foreseen.
+  /// @cost O(bricks in the cells that were cut since the last update() of the detail), some 0.1 ms
+  [[nodiscard]] std::array<std::size_t, kDetails> samples_due() const;
 
   [[nodiscard]] MeshSnapshot mesh() const;  ///< that of the last update(). O(chunks)
   /// What mesh() was drawn from. Valid until the next update().

@@ -7,7 +7,6 @@
 namespace sonoloft {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using device::PoseStatus;
 
 const char* reason(PoseStatus status) {
@@ -58,31 +57,31 @@ Result<MeshMaker> MeshMaker::create(const ReconstructorOptions& options) {
   return MeshMaker(std::move(*reconstructor), options.box.center());
 }
 
-SliceReport MeshMaker::add(std::shared_ptr<const device::DeliveredSlice> slice) {
-  SliceReport report{std::move(slice), SliceFate::refused, {}, 0, 0};
+void MeshMaker::add(std::shared_ptr<const device::DeliveredSlice> slice) {
+  SliceReport& report = added_.emplace_back(SliceReport{std::move(slice), SliceFate::refused, {}, 0, 0});
   if (report.slice->pose_status != PoseStatus::ok) {
     report.reason = reason(report.slice->pose_status);
-    return report;
+    return;
   }
+  const auto start = Clock::now();
   const auto added = reconstructor_.add(report.slice->slice);
+  adding_ += Clock::now() - start;
   if (added) {
     report.fate = fate(*added);
     report.insert_ms = added->cells_ms;
   } else {
     report.reason = added.error().message;
   }
-  return report;
 }
 
-Result<std::shared_ptr<MeshUpdate>> MeshMaker::make(
-    std::span<const std::shared_ptr<const device::DeliveredSlice>> slices, Detail detail, Slopes slopes) {
-  const auto start = Clock::now();
+Result<std::shared_ptr<MeshUpdate>> MeshMaker::make(Detail detail, Slopes slopes) {
+  const auto start = Clock::now() - std::exchange(adding_, {});
   auto made = std::make_shared<MeshUpdate>();
-  for (const auto& slice : slices) made->slices.push_back(add(slice));
+  made->slices = std::exchange(added_, {});
   auto updated = reconstructor_.update(detail, slopes);
   if (!updated) return tl::unexpected<Error>(updated.error());
-  revision_ += slices.size();
-  skipped_revisions_ += slices.empty() ? 0 : slices.size() - 1;
+  revision_ += made->slices.size();
+  skipped_revisions_ += made->slices.empty() ? 0 : made->slices.size() - 1;
   made->revision = revision_;
   made->skipped_revisions = skipped_revisions_;
   made->detail = detail;

@@ -1,5 +1,7 @@
 #pragma once
 // device -> slices -> [MESH MAKER] -> MeshUpdate -> your callback
+#include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -20,11 +22,16 @@ class MeshMaker {
   /// @error those of Reconstructor::create()
   [[nodiscard]] static Result<MeshMaker> create(const ReconstructorOptions& options);
 
-  /// Adds the slices in their order, if any, and brings the mesh of this detail up to date once.
+  /// The mesh follows with the next make(), and what became of the slice with it.
+  void add(std::shared_ptr<const device::DeliveredSlice> slice);
+
+  /// See Reconstructor.
+  [[nodiscard]] std::array<std::size_t, kDetails> samples_due() const { return reconstructor_.samples_due(); }
+
+  /// Brings the mesh of this detail up to date with the slices added since the last one, if any.
   /// @post  in the update everything is set but `counts` and the slices' latency_ms
   /// @error opencl_failed: the maker is not to be used any more
-  [[nodiscard]] Result<std::shared_ptr<MeshUpdate>> make(
-      std::span<const std::shared_ptr<const device::DeliveredSlice>> slices, Detail detail, Slopes slopes);
+  [[nodiscard]] Result<std::shared_ptr<MeshUpdate>> make(Detail detail, Slopes slopes);
 
   /// See Reconstructor. The mesh follows with the next make().
   [[nodiscard]] Result<void> withdraw(std::uint64_t slice_id) { return reconstructor_.withdraw(slice_id); }
@@ -36,11 +43,12 @@ class MeshMaker {
   [[nodiscard]] std::string field_device() const { return reconstructor_.device_name(); }
 
  private:
+  using Clock = std::chrono::steady_clock;
   MeshMaker(Reconstructor reconstructor, const Eigen::Vector3d& centre_mm)
       : reconstructor_(std::move(reconstructor)), statistics_(kDetails, LabelStatisticsKeeper(centre_mm)) {}
-  SliceReport add(std::shared_ptr<const device::DeliveredSlice> slice);
-
   Reconstructor reconstructor_;
+  std::vector<SliceReport> added_;                 ///< since the last make() ...
+  Clock::duration adding_{};                       ///< ... which took so long
   std::vector<LabelStatisticsKeeper> statistics_;  ///< [Detail]
   struct Shown {
     Detail detail = Detail::full;

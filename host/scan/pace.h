@@ -9,29 +9,38 @@
 
 namespace sonoloft {
 
-/// Keeps the meshes of a live scan up with its slices: the finest detail that takes less time than lies between two
-/// slices, or the coarsest. Threads: one at a time.
+/// Keeps the meshes of a live scan up with its slices: the finest detail of which the next update takes less time than
+/// lies between two slices, and those after it will too if they have as much to do as the last ones had. An update's
+/// time is foreseen from the samples that it has to take. Threads: one at a time.
 class Pace {
  public:
   using Clock = std::chrono::steady_clock;
+  /// [Detail] Reconstructor::samples_due() once the slices are added.
+  using SamplesDue = std::array<std::size_t, kDetails>;
 
   void slice_arrived(Clock::time_point when);
-  /// An update of this detail, from the queue to the finished mesh, took so long.
-  void took(Detail detail, Clock::duration time);
+  /// An update for which so many samples were due took so long, from the queue to the finished mesh.
+  void took(std::size_t samples_due, Clock::duration time);
 
-  /// Of the next update. Full before two slices have come.
-  [[nodiscard]] Detail next() const;
+  /// Of the update at hand. Full before two slices have come. @param shown  the detail of the last one
+  [[nodiscard]] Detail next(Detail shown, const SamplesDue& due);
   /// When no slice came for so long, there is time for a full mesh: twice the usual time between two slices.
   [[nodiscard]] Clock::duration patience() const;
 
  private:
+  static constexpr std::size_t kRemembered = 9;
+
   /// The median of the last ones: a pause of the hand that sweeps is none of them.
   [[nodiscard]] Clock::duration between_slices() const;
+  [[nodiscard]] Clock::duration expected(double samples_due) const;
 
-  std::array<Clock::duration, 9> gaps_{};  ///< the last ones, in a ring
-  std::size_t gap_count_ = 0;              ///< so far
+  std::array<Clock::duration, kRemembered> gaps_{};  ///< the last ones, in a ring
+  std::size_t gap_count_ = 0;                        ///< so far
   std::optional<Clock::time_point> last_arrival_;
-  Clock::duration full_time_{};  ///< that a full update is expected to take
+  std::array<double, kRemembered> samples_{};  ///< that the last updates had to take, in full detail, in a ring
+  std::size_t update_count_ = 0;               ///< so far
+  std::chrono::duration<double> time_{};       ///< of updates, what is long ago counts less
+  double work_ = 0;                            ///< of the same, in samples
 };
 
 }  // namespace sonoloft

@@ -115,8 +115,8 @@ struct ScanSession::State : std::enable_shared_from_this<State> {
   bool wait(Waiting& batch);
   void work_off(const Waiting& batch);
   bool show(const Waiting& batch);
-  [[nodiscard]] Finish choose_finish(const Waiting& batch) const;
-  Result<std::shared_ptr<MeshUpdate>> make(const Waiting& batch, Finish finish);
+  [[nodiscard]] Finish choose_finish(const Waiting& batch, const Pace::SamplesDue& due);
+  Result<std::shared_ptr<MeshUpdate>> make(const Waiting& batch);
   void deliver(std::shared_ptr<MeshUpdate> update);
   template <class Callback, class Argument>
   void call(const char* name, const Callback& callback, Argument argument);
@@ -237,12 +237,9 @@ bool ScanSession::State::wait(Waiting& batch) {
 
 void ScanSession::State::work_off(const Waiting& batch) {
   if (!show(batch)) return;
-  const Finish finish = choose_finish(batch);
-  if (!batch.slices.empty() || batch.withdrawn || finish != shown) {
-    auto made = make(batch, finish);
-    if (!made) return fail_for_good(made.error().message, batch.slices.size());
-    deliver(std::move(*made));
-  }
+  auto made = make(batch);
+  if (!made) return fail_for_good(made.error().message, batch.slices.size());
+  if (*made) deliver(std::move(*made));
   for (const ScanEvent& event : batch.events) tell(event);
 }
 
@@ -259,23 +256,27 @@ bool ScanSession::State::show(const Waiting& batch) {
   return true;
 }
 
-ScanSession::State::Finish ScanSession::State::choose_finish(const Waiting& batch) const {
+ScanSession::State::Finish ScanSession::State::choose_finish(const Waiting& batch, const Pace::SamplesDue& due) {
   const bool pause = batch.slices.empty() && batch.events.empty() && !batch.withdrawn;
   const bool last = std::any_of(batch.events.begin(), batch.events.end(), [](const ScanEvent& event) {
     return event.kind == ScanEventKind::end_of_data || event.kind == ScanEventKind::disconnected;
   });
   if (pause || last || options.stream.mode == device::StreamMode::lossless) return {};
-  return batch.slices.empty() && !batch.withdrawn ? shown : Finish{pace.next(), Slopes::streaming};
+  return batch.slices.empty() && !batch.withdrawn ? shown : Finish{pace.next(shown.detail, due), Slopes::streaming};
 }
 
-Result<std::shared_ptr<MeshUpdate>> ScanSession::State::make(const Waiting& batch, Finish finish) {
+/// @return null when nothing changes
+Result<std::shared_ptr<MeshUpdate>> ScanSession::State::make(const Waiting& batch) {
   try {
-    const std::vector<std::shared_ptr<const DeliveredSlice>> slices(batch.slices.begin(), batch.slices.end());
     const auto start = Clock::now();
     const std::lock_guard lock(maker_mutex);
-    auto made = maker.make(slices, finish.detail, finish.slopes);
+    for (const auto& slice : batch.slices) maker.add(slice);
+    const Pace::SamplesDue due = maker.samples_due();
+    const Finish finish = choose_finish(batch, due);
+    if (batch.slices.empty() && !batch.withdrawn && finish == shown) return nullptr;
+    auto made = maker.make(finish.detail, finish.slopes);
     shown = made && (*made)->settled ? Finish{finish.detail, Slopes::settled} : finish;
-    if (!slices.empty()) pace.took(finish.detail, Clock::now() - start);
+    if (!batch.slices.empty()) pace.took(due[static_cast<std::size_t>(finish.detail)], Clock::now() - start);
     return made;
   } catch (const std::exception& e) {
     return fail(ErrorCode::not_available, e.what());

@@ -98,7 +98,7 @@ def main():
     start = time.monotonic()
     result = {"machine": machine(), "records": run("bench_wire") + run("bench_field") + run("bench_mesh") +
               run("bench_background") + measure_sets() + measure_unknown()}
-    for curve in ("slices", "vertices", "depth", "labels", "threads"):
+    for curve in ("slices", "stack", "vertices", "depth", "labels", "threads"):
         result["records"] += run("bench_scaling", curve)
     result["seconds"] = time.monotonic() - start
     (BUILD / "bench.json").write_text(json.dumps(result, indent=1))

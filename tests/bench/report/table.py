@@ -22,9 +22,10 @@ def time_cells(record, run):
 
 def online_cells(record):
     full = record["online"] or {}
-    coarse = record["online_coarse"] or {}
+    live = record["online_live"] or {}
     keys = ("p50_ms", "p95_ms", "last_third_p50_ms", "last_third_p95_ms")
-    return [number(full.get(k)) for k in keys] + [number(coarse.get("last_third_p95_ms"))]
+    return [number(full.get(k)) for k in keys] + [number(live.get("last_third_p95_ms")),
+                                             "/".join(map(str, live.get("last_third_drawn", "-")))]
 
 
 def quality_cells(quality):
@@ -34,12 +35,12 @@ def quality_cells(quality):
     return [number(quality[k]) for k in keys] + [str(faults), number(quality["self_intersections"])]
 
 
-HEADS = [["set", "d", "t", "total", "goal", *STAGES, "field", "all", "all", "last", "last", "coarse",
+HEADS = [["set", "d", "t", "total", "goal", *STAGES, "field", "all", "all", "last", "last", "live", "live",
           "peak", "Delaunay", "over", "angle", "angle", "contour", "contour", "not", "cross"],
-         ["", "", "", "ms", "ms", *("ms" for _ in STAGES), "Gee/s", "p50", "p95", "p50", "p95", "p95",
+         ["", "", "", "ms", "ms", *("ms" for _ in STAGES), "Gee/s", "p50", "p95", "p50", "p95", "p95", "f/c/d",
           "MiB", "s", "live", "p5", "p50", "p50", "p95", "manif.", "ing"],
          ["goal", "", "", "", "", *("" for _ in STAGES), "", "", "", "", f"{goals.LAST_THIRD_P95_MS}",
-          f"{goals.LAST_THIRD_P95_MS}", "", "", f"{goals.DELAUNAY_RATIO}", f"{goals.ANGLE_P5_DEG}", "",
+          f"{goals.LAST_THIRD_P95_MS}", "", "", "", f"{goals.DELAUNAY_RATIO}", f"{goals.ANGLE_P5_DEG}", "",
           f"{goals.CONTOUR_CELLS['p50']}", f"{goals.CONTOUR_CELLS['p95']}", "0", "0"]]
 
 

@@ -33,6 +33,18 @@ std::vector<TrackedSlice> free_planes(const sim::Phantom& phantom, std::size_t c
   return slices;
 }
 
+std::vector<TrackedSlice> parallel_planes(const sim::Phantom& phantom, std::size_t count) {
+  const Eigen::AlignedBox3d all = phantom.bounds();
+  std::vector<TrackedSlice> slices;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+    Eigen::Isometry3d plane = Eigen::Isometry3d::Identity();
+    plane.translation() = all.center() + 0.5 * (share - 0.5) * all.sizes().z() * Eigen::Vector3d::UnitZ();
+    slices.push_back(test::cut(phantom, plane, i));
+  }
+  return slices;
+}
+
 sim::SolidPhantom bumpy_body() {
   const Eigen::Isometry3d lying(Eigen::Translation3d(60, 0, 0) * Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()));
   const Eigen::Isometry3d tilted(Eigen::Translation3d(0, 0, 10) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY()));

@@ -5,12 +5,15 @@
 #include "core/slice/tracked_slice.h"
 #include "device_sim/probe/phantoms/solid_phantom.h"
 
-/// Scans to measure growth with: bodies given by formulas, cut by whole planes in free directions.
+/// Scans to measure growth with: bodies given by formulas, cut by whole planes.
 namespace sonoloft::bench {
 
 /// Planes of any direction through points in the middle half of the phantom's box; the first ones do not depend on the
 /// count.
 [[nodiscard]] std::vector<TrackedSlice> free_planes(const device_sim::Phantom& phantom, std::size_t count);
+
+/// Parallel planes, one after the other, through the middle half of the phantom's box.
+[[nodiscard]] std::vector<TrackedSlice> parallel_planes(const device_sim::Phantom& phantom, std::size_t count);
 
 /// One label with a bay, a handle and a cavity: loops that share no border.
 [[nodiscard]] device_sim::SolidPhantom bumpy_body();

@@ -34,9 +34,8 @@ void batch_point(const std::string& curve, double x, std::span<const TrackedSlic
   emit_point(curve, x, figures);
 }
 
-/// 200 slices one by one, the mesh brought up to date after each.
-void slices_curve() {
-  const std::vector<TrackedSlice> slices = free_planes(device_sim::organs_phantom(), 200);
+/// Slices one by one, the mesh brought up to date after each.
+void one_by_one(const std::string& curve, std::span<const TrackedSlice> slices) {
   ReconstructorOptions options = or_exit(options_for(slices, kDepth));
   options.threads = 2;
   Reconstructor reconstructor = or_exit(Reconstructor::create(options));
@@ -52,8 +51,16 @@ void slices_curve() {
     times.mesh_ms = report.mesh_ms;
     nlohmann::json figures = times;
     figures["counts"] = reconstructor.counts();
-    emit_point("slices", static_cast<double>(slice.id + 1), figures);
+    emit_point(curve, static_cast<double>(slice.id + 1), figures);
   }
+}
+
+void slices_curve() {
+  one_by_one("slices", free_planes(device_sim::organs_phantom(), 200));
+}
+
+void stack_curve() {
+  one_by_one("stack", parallel_planes(device_sim::organs_phantom(), 200));
 }
 
 void vertices_curve() {
@@ -86,14 +93,12 @@ void threads_curve() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::map<std::string, std::function<void()>> curves{{"slices", slices_curve},
-                                                            {"vertices", vertices_curve},
-                                                            {"depth", depth_curve},
-                                                            {"labels", labels_curve},
-                                                            {"threads", threads_curve}};
+  const std::map<std::string, std::function<void()>> curves{{"slices", slices_curve},     {"stack", stack_curve},
+                                                            {"vertices", vertices_curve}, {"depth", depth_curve},
+                                                            {"labels", labels_curve},     {"threads", threads_curve}};
   const auto curve = argc == 2 ? curves.find(argv[1]) : curves.end();
   if (curve == curves.end()) {
-    std::fprintf(stderr, "usage: bench_scaling slices|vertices|depth|labels|threads\n");
+    std::fprintf(stderr, "usage: bench_scaling slices|stack|vertices|depth|labels|threads\n");
     return 2;
   }
   curve->second();

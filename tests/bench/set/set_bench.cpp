@@ -1,5 +1,9 @@
 // What one recorded set costs: all slices at once, slice by slice, and the memory for both. A process measures one set,
 // so that no memory of another one counts.  bench_set <file.csl> <depth>
+#include <array>
+#include <chrono>
+#include <optional>
+
 #include "tests/bench/support/reconstruction.h"
 
 namespace {
@@ -10,6 +14,7 @@ using namespace sonoloft::bench;
 constexpr std::size_t kRuns = 5;
 constexpr int kThreads = 2;
 constexpr std::size_t kOnlineSlices = 15;  ///< fewer are no scan
+constexpr std::chrono::milliseconds kBetweenSlices(33);
 
 nlohmann::json batches(std::span<const TrackedSlice> slices, ReconstructorOptions options, nlohmann::json& figures) {
   nlohmann::json runs;
@@ -23,15 +28,23 @@ nlohmann::json batches(std::span<const TrackedSlice> slices, ReconstructorOption
   return runs;
 }
 
-nlohmann::json online(std::span<const TrackedSlice> slices, ReconstructorOptions options, Detail detail) {
+nlohmann::json online(std::span<const TrackedSlice> slices, ReconstructorOptions options,
+                      std::optional<Clock::duration> between = {}) {
   if (slices.size() < kOnlineSlices) return nullptr;
   options.threads = kThreads;
-  const std::vector<SliceCost> costs = run_online(slices, options, detail);
-  std::vector<double> all;
-  for (const SliceCost& cost : costs) all.push_back(cost.ms);
-  const std::vector<double> last(all.begin() + static_cast<std::ptrdiff_t>(all.size() * 2 / 3), all.end());
+  const std::vector<SliceCost> costs = run_online(slices, options, between);
+  const std::size_t first_of_last = costs.size() * 2 / 3;
+  std::vector<double> all, last;
+  std::array<int, kDetails> drawn{};
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    all.push_back(costs[i].ms);
+    if (i < first_of_last) continue;
+    last.push_back(costs[i].ms);
+    ++drawn[static_cast<std::size_t>(costs[i].detail)];
+  }
   return {{"threads", kThreads},
           {"slices", costs},
+          {"last_third_drawn", drawn},
           {"p50_ms", quantile(all, 0.5)},
           {"p95_ms", quantile(all, 0.95)},
           {"last_third_p50_ms", quantile(last, 0.5)},
@@ -52,8 +65,8 @@ int main(int argc, char** argv) {
 
   nlohmann::json figures{{"bench", "set"}, {"set", file.stem().string()}, {"depth", depth}, {"slices", slices.size()}};
   figures["runs"] = batches(slices, options, figures);
-  figures["online"] = online(slices, options, Detail::full);
-  figures["online_coarse"] = online(slices, options, Detail::coarse);
+  figures["online"] = online(slices, options);
+  figures["online_live"] = online(slices, options, kBetweenSlices);
   figures["peak_memory_mib"] = peak_memory_mib();
   char words[200];
   std::snprintf(words, sizeof words, "set %s, depth %d: %.1f ms with %d threads", file.stem().c_str(), depth,

@@ -1,6 +1,7 @@
 #include "tests/bench/support/reconstruction.h"
 
 #include "core/io/slices/slice_files.h"
+#include "host/scan/pace.h"
 
 namespace sonoloft::bench {
 
@@ -42,14 +43,23 @@ Batch median_batch(std::span<const TrackedSlice> slices, const ReconstructorOpti
 }
 
 std::vector<SliceCost> run_online(std::span<const TrackedSlice> slices, const ReconstructorOptions& options,
-                                  Detail detail) {
+                                  std::optional<Clock::duration> between) {
   Reconstructor reconstructor = or_exit(Reconstructor::create(options));
+  Pace pace;
+  Clock::time_point arrival;
+  Detail detail = Detail::full;
   std::vector<SliceCost> costs;
   for (const TrackedSlice& slice : slices) {
     const auto start = Clock::now();
     const InsertReport inserted = or_exit(reconstructor.add(slice));
+    const Pace::SamplesDue due = reconstructor.samples_due();
+    if (between) {
+      pace.slice_arrived(arrival += *between);
+      detail = pace.next(detail, due);
+    }
     const UpdateReport updated = or_exit(reconstructor.update(detail, Slopes::streaming));
-    costs.push_back({ms_since(start), inserted.cells_cut, updated.samples_evaluated, updated.bricks_smoothed,
+    pace.took(due[static_cast<std::size_t>(detail)], Clock::now() - start);
+    costs.push_back({ms_since(start), detail, inserted.cells_cut, updated.samples_evaluated, updated.bricks_smoothed,
                      updated.chunks_rebuilt});
   }
   return costs;

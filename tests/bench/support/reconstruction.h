@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,14 +33,18 @@ struct Batch {
 /// What one slice of a scan cost.
 struct SliceCost {
   double ms = 0;
+  Detail detail = Detail::full;  ///< that the mesh was drawn in
   std::size_t cells_cut = 0, samples = 0, bricks_smoothed = 0, chunks_rebuilt = 0;
 };
 
-/// Slices one by one, the mesh brought up to date after each. @return [#slices]
+/// Slices one by one, the mesh brought up to date after each.
+/// @param between  the time between two slices for which a live scan chooses the detail; none: full
+/// @return [#slices]
 [[nodiscard]] std::vector<SliceCost> run_online(std::span<const TrackedSlice> slices,
-                                                const ReconstructorOptions& options, Detail detail);
+                                                const ReconstructorOptions& options,
+                                                std::optional<Clock::duration> between = {});
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SliceCost, ms, cells_cut, samples, bricks_smoothed, chunks_rebuilt)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SliceCost, ms, detail, cells_cut, samples, bricks_smoothed, chunks_rebuilt)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageTimes, total_ms, cells_ms, field_ms, octree_ms, smooth_ms, mesh_ms)
 
 }  // namespace sonoloft::bench

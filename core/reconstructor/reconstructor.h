@@ -66,6 +66,9 @@ struct UpdateReport {
   double background_ms = 0;  ///< and of the published completion
   double slopes_ms = 0;
   double field_ms = 0, octree_ms = 0, smooth_ms = 0, mesh_ms = 0;
+
+  /// What goes with the samples taken.
+  [[nodiscard]] double sampling_ms() const { return field_ms + octree_ms + smooth_ms + mesh_ms; }
 };
 
 /// Size of the reconstruction now.

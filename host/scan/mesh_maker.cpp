@@ -80,6 +80,7 @@ Result<std::shared_ptr<MeshUpdate>> MeshMaker::make(Detail detail, Slopes slopes
   made->slices = std::exchange(added_, {});
   auto updated = reconstructor_.update(detail, slopes);
   if (!updated) return tl::unexpected<Error>(updated.error());
+  sampling_ms_ = updated->sampling_ms();
   revision_ += made->slices.size();
   skipped_revisions_ += made->slices.empty() ? 0 : made->slices.size() - 1;
   made->revision = revision_;

@@ -32,6 +32,8 @@ class MeshMaker {
   /// @post  in the update everything is set but `counts` and the slices' latency_ms
   /// @error opencl_failed: the maker is not to be used any more
   [[nodiscard]] Result<std::shared_ptr<MeshUpdate>> make(Detail detail, Slopes slopes);
+  /// UpdateReport::sampling_ms() of the last one.
+  [[nodiscard]] double sampling_ms() const { return sampling_ms_; }
 
   /// See Reconstructor. The mesh follows with the next make().
   [[nodiscard]] Result<void> withdraw(std::uint64_t slice_id) { return reconstructor_.withdraw(slice_id); }
@@ -47,8 +49,9 @@ class MeshMaker {
   MeshMaker(Reconstructor reconstructor, const Eigen::Vector3d& centre_mm)
       : reconstructor_(std::move(reconstructor)), statistics_(kDetails, LabelStatisticsKeeper(centre_mm)) {}
   Reconstructor reconstructor_;
-  std::vector<SliceReport> added_;                 ///< since the last make() ...
-  Clock::duration adding_{};                       ///< ... which took so long
+  std::vector<SliceReport> added_;  ///< since the last make() ...
+  Clock::duration adding_{};        ///< ... which took so long
+  double sampling_ms_ = 0;
   std::vector<LabelStatisticsKeeper> statistics_;  ///< [Detail]
   struct Shown {
     Detail detail = Detail::full;

@@ -5,8 +5,8 @@
 namespace sonoloft {
 namespace {
 
-/// As many samples as an update takes time for besides: slopes, packing of cells. Measured: 10,000 to 30,000.
-constexpr double kBesides = 20'000;
+/// Sampling takes time for as many samples before the first one: cells are packed. Measured: 5,000 to 15,000.
+constexpr double kBeforeSamples = 10'000;
 /// Of the time between two slices: what is foreseen is off by a tenth now and then.
 constexpr double kShare = 0.9;
 
@@ -17,9 +17,12 @@ void Pace::slice_arrived(Clock::time_point when) {
   last_arrival_ = when;
 }
 
-void Pace::took(std::size_t samples_due, Clock::duration time) {
-  time_ = time_ / 2 + time;
-  work_ = work_ / 2 + static_cast<double>(samples_due) + kBesides;
+void Pace::took(std::size_t samples_due, double sampling_ms, double besides_ms) {
+  const auto add = [](double& sum, double last) { sum = sum / 2 + last; };
+  add(weight_, 1);
+  add(besides_ms_, besides_ms);
+  add(sampling_ms_, sampling_ms);
+  add(samples_due_, static_cast<double>(samples_due) + kBeforeSamples);
 }
 
 Pace::Clock::duration Pace::between_slices() const {
@@ -31,8 +34,10 @@ Pace::Clock::duration Pace::between_slices() const {
 }
 
 Pace::Clock::duration Pace::expected(double samples_due) const {
-  if (work_ == 0) return {};
-  return std::chrono::duration_cast<Clock::duration>(time_ * ((samples_due + kBesides) / work_));
+  if (weight_ == 0) return {};
+  const std::chrono::duration<double, std::milli> time(besides_ms_ / weight_ +
+                                                       sampling_ms_ / samples_due_ * (samples_due + kBeforeSamples));
+  return std::chrono::duration_cast<Clock::duration>(time);
 }
 
 Detail Pace::next(Detail shown, const SamplesDue& due) {

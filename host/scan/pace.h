@@ -19,8 +19,9 @@ class Pace {
   using SamplesDue = std::array<std::size_t, kDetails>;
 
   void slice_arrived(Clock::time_point when);
-  /// An update for which so many samples were due took so long, from the queue to the finished mesh.
-  void took(std::size_t samples_due, Clock::duration time);
+  /// An update for which so many samples were due took so long for these (UpdateReport::sampling_ms()), and for all
+  /// else from the queue to the finished mesh.
+  void took(std::size_t samples_due, double sampling_ms, double besides_ms);
 
   /// Of the update at hand. Full before two slices have come. @param shown  the detail of the last one
   [[nodiscard]] Detail next(Detail shown, const SamplesDue& due);
@@ -39,8 +40,8 @@ class Pace {
   std::optional<Clock::time_point> last_arrival_;
   std::array<double, kRemembered> samples_{};  ///< that the last updates had to take, in full detail, in a ring
   std::size_t update_count_ = 0;               ///< so far
-  std::chrono::duration<double> time_{};       ///< of updates, what is long ago counts less
-  double work_ = 0;                            ///< of the same, in samples
+  // Sums over the updates, of which each before the last counts half as much:
+  double weight_ = 0, besides_ms_ = 0, sampling_ms_ = 0, samples_due_ = 0;
 };
 
 }  // namespace sonoloft

@@ -276,7 +276,9 @@ Result<std::shared_ptr<MeshUpdate>> ScanSession::State::make(const Waiting& batc
     if (batch.slices.empty() && !batch.withdrawn && finish == shown) return nullptr;
     auto made = maker.make(finish.detail, finish.slopes);
     shown = made && (*made)->settled ? Finish{finish.detail, Slopes::settled} : finish;
-    if (!batch.slices.empty()) pace.took(due[static_cast<std::size_t>(finish.detail)], Clock::now() - start);
+    if (batch.slices.empty()) return made;
+    const std::chrono::duration<double, std::milli> all = Clock::now() - start;
+    pace.took(due[static_cast<std::size_t>(finish.detail)], maker.sampling_ms(), all.count() - maker.sampling_ms());
     return made;
   } catch (const std::exception& e) {
     return fail(ErrorCode::not_available, e.what());

@@ -58,7 +58,7 @@ std::vector<SliceCost> run_online(std::span<const TrackedSlice> slices, const Re
       detail = pace.next(detail, due);
     }
     const UpdateReport updated = or_exit(reconstructor.update(detail, Slopes::streaming));
-    pace.took(due[static_cast<std::size_t>(detail)], Clock::now() - start);
+    pace.took(due[static_cast<std::size_t>(detail)], updated.sampling_ms(), ms_since(start) - updated.sampling_ms());
     costs.push_back({ms_since(start), detail, inserted.cells_cut, updated.samples_evaluated, updated.bricks_smoothed,
                      updated.chunks_rebuilt});
   }

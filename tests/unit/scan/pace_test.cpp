@@ -25,7 +25,7 @@ struct Sweep {
       due[d] = std::min<std::size_t>(due[d] + (samples >> 2 * d), 400'000 >> 2 * d);
     shown = pace.next(shown, due);
     std::size_t& taken = due[static_cast<std::size_t>(shown)];
-    pace.took(taken, 4ms + 200ns * taken);
+    pace.took(taken, 2 + 200e-6 * static_cast<double>(taken), 2);
     taken = 0;
     return shown;
   }
@@ -100,6 +100,6 @@ TEST_CASE("pace: nothing is known before the second slice") {
   Pace pace;
   CHECK(pace.next(Detail::full, {}) == Detail::full);
   pace.slice_arrived(Pace::Clock::time_point{});
-  pace.took(400'000, 10s);
+  pace.took(400'000, 10'000, 100);
   CHECK(pace.next(Detail::full, {400'000, 100'000, 25'000}) == Detail::full);
 }

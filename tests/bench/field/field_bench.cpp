@@ -3,6 +3,7 @@
 #include <ctime>
 #include <utility>
 
+#include "core/field/cpu/cpu_evaluator.h"
 #include "core/gpu/make_evaluator.h"
 #include "tests/bench/support/figures.h"
 #include "tests/support/field/field_cells.h"
@@ -82,12 +83,9 @@ void measure(const std::string& device, FieldEvaluator& evaluator) {
 }  // namespace
 
 int main() {
-  for (const auto& [device, choice] : {std::pair{"opencl", DeviceChoice::opencl}, {"cpu", DeviceChoice::cpu}}) {
-    const auto evaluator = make_evaluator(choice, 1, {});
-    if (evaluator) {
-      measure(device, **evaluator);
-    } else {
-      std::fprintf(stderr, "%s\n", evaluator.error().message.c_str());
-    }
-  }
+  if (const auto opencl = make_evaluator(DeviceChoice::opencl, 1, {}))
+    measure("opencl", **opencl);
+  else
+    std::fprintf(stderr, "%s\n", opencl.error().message.c_str());
+  for (const CpuKernel& kernel : usable_cpu_kernels()) measure("cpu", *make_cpu_evaluator(kernel, 1));
 }

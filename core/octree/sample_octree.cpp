@@ -50,9 +50,11 @@ struct SampleOctree::State {
   BrickPool bricks;
   std::vector<std::vector<std::uint32_t>> bricks_of_cell;  ///< [cell] bricks that may have samples in it
   std::size_t samples = 0;
-  IndexSet changed_cells;  ///< noted since the last update
+  IndexSet changed_cells;         ///< noted since the last update ...
+  std::size_t stale_samples = 0;  ///< ... and how many samples lie in them
   ScratchPool<Smoother> smoothers;
 
+  void add_changed(CellId cell);
   void seed_background(OctantGrowth& growth);
   [[nodiscard]] SampleMask stale_in(const WorkBrick& brick) const;
   [[nodiscard]] std::vector<SampleJob> stale_jobs();
@@ -68,12 +70,12 @@ SampleOctree::SampleOctree(SampleOctree&&) noexcept = default;
 SampleOctree& SampleOctree::operator=(SampleOctree&&) noexcept = default;
 
 void SampleOctree::note(const CellComplex& cells, const CellComplex::Delta& delta) {
-  for (const CellId cell : delta.divided) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
+  for (const CellId cell : delta.divided) state_->add_changed(cell);
   state_->contours.add(cells, delta);
 }
 
 void SampleOctree::note(const CellComplex& cells, const CellComplex::Withdrawal& withdrawal) {
-  for (const CellId cell : withdrawal.removed) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
+  for (const CellId cell : withdrawal.removed) state_->add_changed(cell);
   state_->contours.remove(cells, withdrawal, state_->bricks);
 }
 
@@ -82,7 +84,15 @@ void SampleOctree::note(const Background& background, std::span<const Background
 }
 
 void SampleOctree::note(std::span<const CellId> changed) {
-  for (const CellId cell : changed) state_->changed_cells.add(static_cast<std::uint32_t>(cell));
+  for (const CellId cell : changed) state_->add_changed(cell);
+}
+
+void SampleOctree::State::add_changed(CellId id) {
+  const auto cell = static_cast<std::uint32_t>(id);
+  if (!changed_cells.add(cell) || cell >= bricks_of_cell.size()) return;
+  for (const std::uint32_t index : bricks_of_cell[cell])
+    for (const SamplesInCell& in : bricks[index].in_cells)
+      if (in.cell == cell) stale_samples += static_cast<std::size_t>(in.samples.count());
 }
 
 void SampleOctree::State::seed_background(OctantGrowth& growth) {
@@ -220,6 +230,7 @@ Result<SampleOctree::Change> SampleOctree::update(const CellComplex& cells, cons
     for (std::size_t n = first; n < last; ++n) s.bricks[touched.bricks()[n]].shares.drop_empty_rows();
   });
   s.changed_cells.clear();
+  s.stale_samples = 0;
   s.background.clear_changes();
 
   Change change;
@@ -254,15 +265,7 @@ std::size_t SampleOctree::sample_count() const {
   return state_->samples;
 }
 std::size_t SampleOctree::stale_count() const {
-  const State& s = *state_;
-  std::size_t count = 0;
-  for (const std::uint32_t cell : s.changed_cells.items()) {
-    if (cell >= s.bricks_of_cell.size()) continue;
-    for (const std::uint32_t index : s.bricks_of_cell[cell])
-      for (const SamplesInCell& in : s.bricks[index].in_cells)
-        if (in.cell == cell) count += static_cast<std::size_t>(in.samples.count());
-  }
-  return count;
+  return state_->stale_samples;
 }
 std::size_t SampleOctree::brick_count() const {
   return state_->bricks.size();

@@ -63,7 +63,7 @@ class SampleOctree final : public SampleLattice {
   [[nodiscard]] Eigen::Vector3d origin_mm() const override;
   [[nodiscard]] double spacing_mm() const override;
   [[nodiscard]] std::size_t sample_count() const;
-  /// Of these, those in cells that are noted as changed: the next update() takes them again. @cost O(bricks there)
+  /// Of these, those in cells that are noted as changed: the next update() takes them again. O(1)
   [[nodiscard]] std::size_t stale_count() const;
   [[nodiscard]] std::size_t brick_count() const;
 

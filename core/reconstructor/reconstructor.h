@@ -106,7 +106,7 @@ class Reconstructor {
 
   /// [Detail] About how many samples a streaming update() of each detail would take now: what its time goes with.
   /// Surfaces that are not drawn in any detail yet are not foreseen.
-  /// @cost O(bricks in the cells that were cut since the last update() of the detail), some 0.1 ms
+  /// @cost O(1)
   [[nodiscard]] std::array<std::size_t, kDetails> samples_due() const;
 
   [[nodiscard]] MeshSnapshot mesh() const;  ///< that of the last update(). O(chunks)

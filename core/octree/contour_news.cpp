@@ -88,8 +88,9 @@ void ContourNews::remove(const CellComplex& cells, const CellComplex::Withdrawal
 /// Forgets the contours of a brick that run through a region.
 void ContourNews::forget(const Region& region, WorkBrick& brick, std::uint32_t index) {
   if (brick.contours.empty()) return;
-  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5 * kBrickSize);
-  if (!region.may_reach(origin_mm_ + spacing_mm_ * (first_sample(brick) + half), spacing_mm_ * half)) return;
+  const Eigen::Vector3d centre = first_sample(brick) + Eigen::Vector3d::Constant(0.5 * kBrickSize);
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.501 * kBrickSize);  // and what rounding may take
+  if (!region.may_reach(origin_mm_ + spacing_mm_ * centre, spacing_mm_ * half)) return;
   const std::size_t gone = std::erase_if(brick.contours, [&](const ContourPiece& piece) {
     return region.contains(origin_mm_ + spacing_mm_ * middle(brick, piece), piece.slice);
   });

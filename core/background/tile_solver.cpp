@@ -1,7 +1,10 @@
 #include "core/background/tile_solver.h"
 
 #include <cmath>
+#include <cstring>
 #include <numbers>
+
+#include "core/slice/four.h"
 
 namespace sonoloft {
 namespace {
@@ -44,6 +47,25 @@ void relax(const float* now, const float* inverse, const float* source, float* n
   for (std::size_t i = 0; i < length; ++i) {
     const float sum = ((left[i] + right[i]) + (below[i] + above[i])) + (before[i] + behind[i]);
     next[i] = now[i] + relaxation * ((sum + source[i]) * inverse[i] - now[i]);
+  }
+}
+
+static_assert(kBrickEdge % kFour == 0 && kSweeps % kFour == 0, "rows of the region in a brick are whole fours");
+
+/// Four weights as numbers.
+Four load_weights(const std::uint32_t* from) {
+  std::uint32_t __attribute__((vector_size(kFour * sizeof(std::uint32_t)))) weights;
+  std::memcpy(&weights, from, sizeof weights);
+  return __builtin_convertvector(weights, Four);
+}
+
+/// Draws shares to what the data say: wholly where they weigh 1 and more, not where they say nothing.
+void draw_to(const std::uint32_t* weight, const std::uint32_t* of_label, float* share, std::size_t length) {
+  constexpr float kUnit = kWeightUnit;
+  for (std::size_t i = 0; i < length; i += kFour) {
+    const Four all = load_weights(weight + i), now = load_four(share + i);
+    const Four capped = (all < kUnit ? all : kUnit + Four{}) / kUnit;
+    store_four(now + capped * (load_weights(of_label + i) / (all > 1 ? all : 1 + Four{}) - now), share + i);
   }
 }
 
@@ -94,18 +116,18 @@ void TileSolver::find_labels() {
 
 void TileSolver::fill_diagonal() {
   std::fill(inverse_.begin(), inverse_.end(), 0.0f);
-  for_each_row(region_.intersection(pass_.data->nodes()), [&](const Vector3i& node, std::size_t length) {
+  const AlignedBox3i inside = region_.intersection(pass_.data->nodes());
+  for_each_row(inside, [&](const Vector3i& node, std::size_t length) {
     std::fill_n(inverse_.begin() + static_cast<std::ptrdiff_t>(at(node)), length, 1 / (6 + pass_.screening));
   });
   for_each_in(bricks_around(region_), [&](const Vector3i& b) {
     const NodeData* data = pass_.data->find(b);
     if (data == nullptr) return;
-    for_each_row(nodes_of(b).intersection(region_), [&](const Vector3i& node, std::size_t length) {
+    for_each_row(nodes_of(b).intersection(inside), [&](const Vector3i& node, std::size_t length) {
       const std::uint32_t* weight = data->weight.data() + node_index(node.x(), node.y(), node.z());
       float* out = inverse_.data() + at(node);
       for (std::size_t i = 0; i < length; ++i)
-        if (weight[i] != 0)
-          out[i] = 1 / (6 + pass_.screening + kDataStiffness / kWeightUnit * static_cast<float>(weight[i]));
+        out[i] = 1 / (6 + pass_.screening + kDataStiffness / kWeightUnit * static_cast<float>(weight[i]));
     });
   });
 }
@@ -153,15 +175,9 @@ void TileSolver::apply_data(Label label) {
     const auto& row = found == nullptr ? kNone : *found;
     for_each_row(nodes_of(b).intersection(region_), [&](const Vector3i& node, std::size_t length) {
       const std::size_t first = node_index(node.x(), node.y(), node.z()), out = at(node);
-      for (std::size_t i = 0; i < length; ++i) {
-        const std::uint32_t weight = data->weight[first + i];
-        if (weight == 0) continue;
-        const auto of_label = static_cast<float>(row[first + i]);
-        source_[out + i] = kDataStiffness / kWeightUnit * of_label;
-        if (!first_of_level()) continue;
-        const auto capped = static_cast<float>(std::min(weight, kWeightUnit)) / kWeightUnit;
-        now_[out + i] += capped * (of_label / static_cast<float>(weight) - now_[out + i]);
-      }
+      for (std::size_t i = 0; i < length; i += kFour)
+        store_four(kDataStiffness / kWeightUnit * load_weights(&row[first + i]), &source_[out + i]);
+      if (first_of_level()) draw_to(&data->weight[first], &row[first], &now_[out], length);
     });
   });
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "core/slice/parallel.h"
 
@@ -35,7 +36,7 @@ void SampledCells::pack(PackedCells& packed, int threads) {
       for (std::size_t i = added.size() * pile / kPiles; i < added.size() * (pile + 1) / kPiles; ++i)
         pack(added[i], scratch, piles[pile]);
   });
-  for (const PackedCells& pile : piles) packed.append(pile);
+  for (PackedCells& pile : piles) packed.append(std::exchange(pile, {}));
 }
 
 void SampledCells::pack(Known& known, Scratch& scratch, PackedCells& out) const {

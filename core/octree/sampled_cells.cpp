@@ -9,7 +9,6 @@
 namespace sonoloft {
 namespace {
 
-constexpr std::uint32_t kBoxWalls = 6;
 /// Piles that the cells are packed in, side by side: some for each thread, since cells differ in size.
 constexpr std::size_t kPiles = 16;
 
@@ -55,7 +54,7 @@ void SampledCells::pack(Known& known, Scratch& scratch, PackedCells& out) const 
   }
   out.add(scratch.faces, cells_.centre(known.cell), scratch.apart, scratch.bends);
   for (const CellFace& face : scratch.faces) {
-    if (static_cast<std::uint32_t>(face.plane) < kBoxWalls || face.label == kUnknown) continue;
+    if (!cells_.slice_of(face.plane) || face.label == kUnknown) continue;
     const Eigen::Vector3d normal = face.image_to_reference->linear().col(2);
     known.pins.push_back({normal, -normal.dot(face.image_to_reference->translation())});
   }

@@ -5,9 +5,10 @@
 namespace sonoloft {
 namespace {
 
-/// Sampling takes time for as many samples before the first one: cells are packed. Measured: 4,000 to 30,000.
+/// Sampling takes time for as many samples before the first one: cells are packed. Measured: 2,000 to 40,000.
 constexpr double kBeforeSamples = 10'000;
-/// Of the time between two slices: what is foreseen is off by a tenth now and then.
+/// Of the time between two slices. Measured: half of all updates take .85 to 1.11 of what is foreseen, a tenth
+/// over 1.2.
 constexpr double kShare = 0.9;
 
 }  // namespace

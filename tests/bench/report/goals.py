@@ -79,10 +79,21 @@ def of_all_sets(records):
         yield from quality_goals(record)
 
 
+def quality_of_both(record):
+    for what in ("live", "delaunay"):
+        quality, name = record[f"{what}_quality"], f"{record['set']}, {what} mesh"
+        for key, figure in (("smallest_angle_p5_deg", "smallest angle, p5"), ("smallest_angle_p50_deg", "p50")):
+            yield f"{name}: {figure}", quality[key], "", None, "deg"
+        for key, figure in (("to_zero_set_p50_cells", "distance to the zero set, p50"), ("to_zero_set_p99_cells", "p99"),
+                            ("hausdorff_cells", "Hausdorff")):
+            yield f"{name}: {figure}", quality[key], "", None, "cells"
+
+
 def of_programs(records):
     for record in of_bench(records, "delaunay"):
         if record["set"] == DELAUNAY_SET:
             yield f"{record['set']}: Delaunay mesh over live mesh", record["ratio"], ">=", DELAUNAY_RATIO, ""
+            yield from quality_of_both(record)
     yield from field_goals(records)
     yield from scaling_goals(records)
 

@@ -28,18 +28,22 @@ Triangles triangles_of(const IndexedMesh& mesh) {
 
 }  // namespace
 
-std::vector<double> contour_distances(std::span<const TrackedSlice> slices, const IndexedMesh& mesh) {
+std::vector<double> distances(std::span<const Eigen::Vector3d> points_mm, const IndexedMesh& mesh) {
   const Triangles triangles = triangles_of(mesh);
   Tree tree(triangles.begin(), triangles.end());
   tree.accelerate_distance_queries();
-  std::vector<double> distances;
+  std::vector<double> result;
+  for (const Eigen::Vector3d& p : points_mm) result.push_back(std::sqrt(tree.squared_distance(point(p))));
+  return result;
+}
+
+std::vector<double> contour_distances(std::span<const TrackedSlice> slices, const IndexedMesh& mesh) {
+  std::vector<Eigen::Vector3d> points_mm;
   for (const TrackedSlice& slice : slices)
     for (const Contour& contour : slice.contours)
-      for (std::uint32_t i = contour.first; i < contour.first + contour.count; ++i) {
-        const Eigen::Vector3d at(slice.points[i].x(), slice.points[i].y(), 0.0);
-        distances.push_back(std::sqrt(tree.squared_distance(point(slice.image_to_reference * at))));
-      }
-  return distances;
+      for (std::uint32_t i = contour.first; i < contour.first + contour.count; ++i)
+        points_mm.push_back(slice.image_to_reference * Eigen::Vector3d(slice.points[i].x(), slice.points[i].y(), 0.0));
+  return distances(points_mm, mesh);
 }
 
 }  // namespace sonoloft::test

@@ -82,10 +82,10 @@ def of_all_sets(records):
 def quality_of_both(record):
     for what in ("live", "delaunay"):
         quality, name = record[f"{what}_quality"], f"{record['set']}, {what} mesh"
-        for key, figure in (("smallest_angle_p5_deg", "smallest angle, p5"), ("smallest_angle_p50_deg", "p50")):
+        for key, figure in (("smallest_angle_p5_deg", "smallest angle, p5"), ("smallest_angle_p50_deg", "smallest angle, p50")):
             yield f"{name}: {figure}", quality[key], "", None, "deg"
-        for key, figure in (("to_zero_set_p50_cells", "distance to the zero set, p50"), ("to_zero_set_p99_cells", "p99"),
-                            ("hausdorff_cells", "Hausdorff")):
+        for key, figure in (("to_zero_set_p50_cells", "distance to the zero set, p50"), ("to_zero_set_p99_cells", "distance to the zero set, p99"),
+                            ("hausdorff_cells", "Hausdorff distance to the zero set")):
             yield f"{name}: {figure}", quality[key], "", None, "cells"
 
 

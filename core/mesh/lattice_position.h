@@ -43,12 +43,8 @@ inline BrickPoint operator+(LocalPoint cell, const CellPoint& p) {
   return {cell.x * kStep + p[0], cell.y * kStep + p[1], cell.z * kStep + p[2]};
 }
 
-/// What a vertex stands on: the cell at a lattice point (0), or a simplex of the Kuhn subdivision with its lowest
-/// corner there: the edge to +first, the triangle with +second besides, or the tetrahedron with +(1,1,1) besides.
+/// What a vertex stands on: the cell at a lattice point (0), or a simplex with its lowest corner there (simplex.h).
 constexpr unsigned kCellVertex = 0;
-constexpr unsigned simplex_kind(unsigned first, unsigned second, bool tetrahedron) {
-  return first | second << 3 | (tetrahedron ? 1u << 6 : 0u);
-}
 inline constexpr unsigned kSimplexKinds = 128;
 
 /// The name of a vertex, the same in all chunks: 19 bits a lattice coordinate, 7 bits for the kind.

@@ -31,25 +31,6 @@ bool inside_envelope(const EdgeQuad& quad, std::size_t first) {
   return turn < det && turn * j[2] < at_j && at_j < turn * j[2] + (det - turn) * kStep;
 }
 
-/// Squared sines of the smallest angles of the triangles 012, 023, 123, 130.
-Four sharpness(const EdgeQuad& q) {
-  Four side[2][3];  // from the first corner of each triangle to both others
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int32_t p0 = q[0][axis], p1 = q[1][axis], p2 = q[2][axis], p3 = q[3][axis];
-    const FourInts first = {p0, p0, p1, p1}, second = {p1, p2, p2, p3}, third = {p2, p3, p3, p0};
-    side[0][axis] = __builtin_convertvector(second - first, Four);
-    side[1][axis] = __builtin_convertvector(third - first, Four);
-  }
-  const auto norm2 = [](Four x, Four y, Four z) { return x * x + (y * y + z * z); };
-  const auto& [x0, y0, z0] = side[0];
-  const auto& [x1, y1, z1] = side[1];
-  const Four l0 = norm2(x0, y0, z0), l1 = norm2(x1, y1, z1), l2 = norm2(x1 - x0, y1 - y0, z1 - z0);
-  // The smallest angle lies between the two longer sides, whose product times its sine is twice the area.
-  const Four area2 = norm2(y0 * z1 - z0 * y1, z0 * x1 - x0 * z1, x0 * y1 - y0 * x1);
-  const Four least = l1 < l0 ? l1 : l0;
-  return area2 * (l2 < least ? l2 : least) / (l0 * l1 * l2);
-}
-
 /// The four cells around a lattice edge, counter-clockwise.
 struct Ring {
   std::array<int, 4> place;                ///< ChunkBuffer::place() of the cell
@@ -103,8 +84,7 @@ std::optional<int> safe_diagonal(const EdgeQuad& quad) {
   const bool safe02 = inside_envelope(quad, 0), safe13 = inside_envelope(quad, 1);
   if (!safe02 && !safe13) return std::nullopt;
   if (safe02 != safe13) return safe02 ? 0 : 1;
-  const Four sharp = sharpness(quad);
-  return std::min(sharp[0], sharp[1]) >= std::min(sharp[2], sharp[3]) ? 0 : 1;
+  return sharper(sharpness(quad));
 }
 
 bool draw_edge(const NetGrid& nets, const MixedEdge& edge, ChunkBuffer& chunk) {

@@ -1,15 +1,15 @@
 #pragma once
-#include <array>
 #include <optional>
 
 #include "core/mesh/drawing/chunk_buffer.h"
+#include "core/mesh/drawing/quad.h"
 #include "core/mesh/vertices/brick_net.h"
 
 namespace sonoloft {
 
 /// The four cell vertices around a lattice edge, relative to its lower end in 1/65536 steps, in coordinates (u, v, w)
 /// with w along the edge and u, v the next axes; corner i lies in quadrant i of (u, v), counter-clockwise.
-using EdgeQuad = std::array<std::array<std::int32_t, 3>, 4>;
+using EdgeQuad = Quad;
 
 /// Which diagonal cuts the quad into two triangles that stay inside the envelope of the edge (the four tetrahedra of
 /// the edge and two consecutive corners), where no other part of the mesh can be: 0 for corners 0-2, 1 for 1-3; of two

@@ -58,6 +58,7 @@ class CellReader {
     std::copy_n(cell_.label.begin(), count, samples.label.begin());
     std::copy_n(cell_.corners.begin(), count, samples.corners.begin());
     std::copy_n(cell_.share.begin(), count, samples.share.begin());
+    out_.slot[id] = BrickCells::kComplex;
     out_.complex_cells.push_back(id);
     out_.complex_samples.push_back(samples);
   }

@@ -27,9 +27,9 @@ struct SimpleCell {
 /// What its own samples and the layer above say about the cells of one brick: all that is drawn from them. Only mixed
 /// cells with 8 sampled corners.
 struct BrickCells {
-  static constexpr std::uint16_t kNoSlot = 0xFFFF;
+  static constexpr std::uint16_t kNoSlot = 0xFFFF, kComplex = 0xFFFE;
 
-  std::array<std::uint16_t, kBrickSamples> slot;  ///< index into simple, or kNoSlot
+  std::array<std::uint16_t, kBrickSamples> slot;  ///< index into simple, kComplex, or kNoSlot: not mixed
   std::vector<SimpleCell> simple;                 ///< [#S] ascending
   std::vector<GapLanes> gaps;                     ///< [#S / kFour, rounded up]
   std::vector<LineGaps> lines;                    ///< ascending
@@ -39,6 +39,7 @@ struct BrickCells {
   std::vector<ContourSpan> spans;                 ///< of the contours, ascending by cell
 
   BrickCells() { slot.fill(kNoSlot); }
+  [[nodiscard]] bool is_simple(std::size_t cell) const { return slot[cell] < kComplex; }
   void clear();
   [[nodiscard]] bool same_as(const BrickCells& other) const;  ///< in every byte
 };

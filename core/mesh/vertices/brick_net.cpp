@@ -8,6 +8,9 @@ namespace sonoloft {
 namespace {
 
 constexpr float kRelaxation = 0.85F;
+/// Beside a cell that is not simple a vertex keeps this far away from the sides of its own: nodes there are near the
+/// middles of edges, and triangles to a vertex in a corner would be thin.
+constexpr std::uint16_t kMarginBesideComplex = kStep * 35 / 100;
 
 }  // namespace
 
@@ -20,7 +23,7 @@ bool BrickNet::read(ReadScratch& scratch, const SampleLattice& lattice, const Br
 
 void BrickNet::find_pulls(const SimpleCell& cell, const std::array<const BrickNet*, 6>& beside, std::size_t lane,
                           Pulls& pulls) const {
-  std::int32_t x = 0, y = 0, z = 0, count = 0;
+  std::int32_t x = 0, y = 0, z = 0, count = 0, beside_complex = 0;
   unsigned found = 0;
   for (unsigned rest = cell.pull; rest != 0; rest &= rest - 1) {
     const auto face = static_cast<unsigned>(std::countr_zero(rest)), shift = 3 * (face / 2);
@@ -28,12 +31,15 @@ void BrickNet::find_pulls(const SimpleCell& cell, const std::array<const BrickNe
     const int id = cell.index, stride = upper ? 1 << shift : -(1 << shift);
     const bool own = (id >> shift & 7) != (upper ? kBrickSize - 1 : 0);
     const BrickNet* net = own ? this : beside[face];
-    const CellPoint* p =
-        net ? net->placed(static_cast<std::size_t>(own ? id + stride : id - stride * (kBrickSize - 1))) : nullptr;
-    if (!p) continue;
-    x += (*p)[0];
-    y += (*p)[1];
-    z += (*p)[2];
+    if (!net) continue;
+    const BrickCells& cells = net->cells_;
+    const std::uint16_t slot = cells.slot[static_cast<std::size_t>(own ? id + stride : id - stride * (kBrickSize - 1))];
+    beside_complex |= slot == BrickCells::kComplex;
+    if (slot >= BrickCells::kComplex) continue;
+    const CellPoint& p = cells.simple[slot].placed;
+    x += p[0];
+    y += p[1];
+    z += p[2];
     found |= 1u << face;
     ++count;
   }
@@ -44,6 +50,7 @@ void BrickNet::find_pulls(const SimpleCell& cell, const std::array<const BrickNe
   pulls.sum[1][lane] = y + above_less_below(1) * kStep;
   pulls.sum[2][lane] = z + above_less_below(2) * kStep;
   pulls.count[lane] = count;
+  pulls.beside_complex[lane] = beside_complex;
 }
 
 void BrickNet::relax_lanes(std::size_t block, const std::array<const BrickNet*, 6>& beside,
@@ -65,8 +72,13 @@ void BrickNet::relax_lanes(std::size_t block, const std::array<const BrickNet*, 
   const auto here = lines.first(static_cast<std::size_t>(end - lines.begin()));
   lines = lines.subspan(here.size());
   const auto stepped = step_to_surface(p, cells_.gaps[block], here);
-  for (std::size_t i = 0; i < count; ++i)
-    relaxed_.push_back({cells[i].index, pulls.count[i] > 0 ? stepped[i] : cells[i].placed});
+  for (std::size_t i = 0; i < count; ++i) {
+    CellPoint vertex = pulls.count[i] > 0 ? stepped[i] : cells[i].placed;
+    if (pulls.beside_complex[i])
+      for (std::uint16_t& x : vertex)
+        x = std::clamp<std::uint16_t>(x, kMarginBesideComplex, kStep - kMarginBesideComplex);
+    relaxed_.push_back({cells[i].index, vertex});
+  }
 }
 
 void BrickNet::put_on_contours() {

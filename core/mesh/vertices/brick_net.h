@@ -29,8 +29,7 @@ class BrickNet {
   [[nodiscard]] bool empty() const { return cells_.simple.empty() && cells_.complex_cells.empty(); }
   /// The finished vertex of a cell by its sample_index, null when the cell is not simple.
   [[nodiscard]] const CellPoint* vertex(std::size_t cell) const {
-    const std::uint16_t slot = cells_.slot[cell];
-    return slot == BrickCells::kNoSlot ? nullptr : &relaxed_[slot].vertex;
+    return cells_.is_simple(cell) ? &relaxed_[cells_.slot[cell]].vertex : nullptr;
   }
 
  private:
@@ -44,11 +43,8 @@ class BrickNet {
   struct Pulls {
     FourInts sum[3];
     FourInts count;
+    FourInts beside_complex;  ///< not 0 where one of these cells is not simple
   };
-  [[nodiscard]] const CellPoint* placed(std::size_t cell) const {
-    const std::uint16_t slot = cells_.slot[cell];
-    return slot == BrickCells::kNoSlot ? nullptr : &cells_.simple[slot].placed;
-  }
   void find_pulls(const SimpleCell& cell, const std::array<const BrickNet*, 6>& beside, std::size_t lane,
                   Pulls& pulls) const;
   /// Relaxes the cells of one GapLanes, whose lines are the first of `lines`, and drops those from it.

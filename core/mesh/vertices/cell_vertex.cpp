@@ -8,15 +8,12 @@ namespace {
 
 constexpr unsigned kAllCorners = 0xFF;
 
-/// Corners of the faces, in the order of the bits of mixed_faces().
-constexpr std::array<unsigned, 6> kFaces = {0x55, 0xAA, 0x33, 0xCC, 0x0F, 0xF0};
-
 /// The faces that a set of corners touches.
 constexpr auto kTouchedFaces = [] {
   std::array<std::uint8_t, 256> touched{};
   for (unsigned corners = 0; corners < 256; ++corners)
     for (unsigned face = 0; face < 6; ++face)
-      if ((corners & kFaces[face]) != 0) touched[corners] |= static_cast<std::uint8_t>(1u << face);
+      if ((corners & kFaceCorners[face]) != 0) touched[corners] |= static_cast<std::uint8_t>(1u << face);
   return touched;
 }();
 

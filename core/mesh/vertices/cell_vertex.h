@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+
 #include "core/mesh/vertices/cell_samples.h"
 
 namespace sonoloft {
@@ -6,6 +8,9 @@ namespace sonoloft {
 /// True if the surface around every label is one disc inside the cell, whatever the other labels are: the corners of
 /// each label, and all the others, are connected along edges of the cube. Then one vertex serves all of them.
 [[nodiscard]] bool is_simple(const CellSamples& cell);
+
+/// The corners of the faces as bit sets, in the order of the bits of mixed_faces().
+inline constexpr std::array<unsigned, 6> kFaceCorners = {0x55, 0xAA, 0x33, 0xCC, 0x0F, 0xF0};
 
 /// Faces of the cell (bit 2 * axis + side) that touch all of its labels, and those that touch more than one.
 [[nodiscard]] unsigned faces_with_all_labels(const CellSamples& cell);

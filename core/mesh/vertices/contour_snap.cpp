@@ -34,7 +34,7 @@ void spans_of(std::span<const ContourPiece> contours, std::span<const std::uint1
       const Eigen::Vector3f p = piece.a + static_cast<float>(from) * step, q = piece.a + static_cast<float>(to) * step;
       const Eigen::Vector3i at = (0.5F * (p + q)).array().floor().cast<int>().max(0).min(kBrickSize - 1);
       const std::uint16_t s = slot[static_cast<std::size_t>(sample_index(at.x(), at.y(), at.z()))];
-      if (s == BrickCells::kNoSlot || pairs[s] != LabelPair{piece.lower, piece.upper}) return;
+      if (s >= BrickCells::kComplex || pairs[s] != LabelPair{piece.lower, piece.upper}) return;
       const Eigen::Vector3f base = at.cast<float>();
       const std::uint32_t ends = (from == 0.0 && piece.a_is_end ? 1u : 0u) | (to == 1.0 && piece.b_is_end ? 2u : 0u);
       spans.push_back({s, numbers(p - base), numbers(q - base), ends});

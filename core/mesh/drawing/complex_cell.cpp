@@ -12,9 +12,12 @@
 namespace sonoloft {
 namespace {
 
-/// Crossings keep this near to the middle of an edge: in these cells samples say little about where the labels change,
-/// while triangles between nodes that go farther are thin and their diagonals not safe without a test.
-constexpr std::int32_t kFromMiddle = kStep * 7 / 100;
+/// Crossings keep this near to the middle of an edge between corners, and are here on one from the centre, 0.3 of its
+/// length away: in these cells samples say little about where the labels change, while triangles between nodes that go
+/// farther are thin and their diagonals not safe without a test. With all crossings in the middle no angle is below 27
+/// degrees.
+constexpr std::int32_t kFromMiddle = kStep * 10 / 100;
+constexpr std::int32_t kBesideCentre = kStep * 35 / 100;  ///< from the sides of the cell
 
 std::int32_t near_middle(std::int32_t crossing) {
   return std::clamp(crossing, kStep / 2 - kFromMiddle, kStep / 2 + kFromMiddle);
@@ -29,21 +32,17 @@ BrickPoint mean(std::span<const BrickPoint> points) {
   return result;
 }
 
-bool is_lattice_edge(CornerSet edge) {
-  return std::has_single_bit(first_of(edge) ^ first_of(edge & (edge - 1)));
-}
-
 /// Calls body(edge) for the edges of a simplex.
 template <class Body>
-void for_each_edge(CornerSet simplex, const Body& body) {
-  for (CornerSet from = simplex; from != 0; from &= from - 1)
-    for (CornerSet to = from & (from - 1); to != 0; to &= to - 1) body(first_alone(from) | first_alone(to));
+void for_each_edge(PointSet simplex, const Body& body) {
+  for (PointSet from = simplex; from != 0; from = without_first(from))
+    for (PointSet to = without_first(from); to != 0; to = without_first(to)) body(first_alone(from) | first_alone(to));
 }
 
 /// The last set of two corners, 0 if there is none.
-CornerSet pair_in(std::span<const CornerSet> sets) {
-  CornerSet pair = 0;
-  for (const CornerSet set : sets)
+PointSet pair_in(std::span<const PointSet> sets) {
+  PointSet pair = 0;
+  for (const PointSet set : sets)
     if (std::popcount(set) == 2) pair = set;
   return pair;
 }
@@ -53,61 +52,91 @@ CornerSet pair_in(std::span<const CornerSet> sets) {
 class CellDrawer {
  public:
   CellDrawer(const CellSamples& samples, LocalPoint cell, ChunkBuffer& chunk)
-      : cell_(cell), even_(even_points(cell)), chunk_(chunk), samples_(samples) {}
+      : cell_(cell), chunk_(chunk), samples_(samples), of_centre_(strongest(kAllCorners)) {}
 
   void draw_tetrahedra() {
-    for (const CornerSet tetrahedron : tetrahedra(even_)) draw_tetrahedron(tetrahedron);
+    for (const PointSet face : kFaceCorners)
+      for_triangles(face, [&](PointSet triangle) { draw_tetrahedron(triangle | kCentreAlone); });
   }
 
   /// The cone from a vertex over the lines that the tetrahedra leave on a face of the cell.
-  void draw_cone(std::uint32_t apex, CornerSet face) {
-    for (CornerSet odd = face & ~even_; odd != 0; odd &= odd - 1)
-      draw_cone_over_triangle(apex, (face & even_) | first_alone(odd));
+  void draw_cone(std::uint32_t apex, PointSet face) {
+    for_triangles(face, [&](PointSet triangle) { draw_cone_over_triangle(apex, triangle); });
   }
 
  private:
-  [[nodiscard]] Label label(unsigned corner) const { return samples_.label[samples_.owner[corner]]; }
+  /// Of the labels of some corners the one with the largest mean share there, as an index; of equals the first.
+  [[nodiscard]] std::size_t strongest(PointSet corners) const {
+    std::size_t best = 0;
+    float most = 0;
+    bool found = false;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(samples_.label_count); ++i) {
+      if ((samples_.corners[i] & corners) == 0) continue;
+      float sum = 0;
+      for (PointSet rest = corners; rest != 0; rest = without_first(rest)) sum += samples_.share[i][first_of(rest)];
+      if (found && !(sum > most)) continue;
+      best = i;
+      most = sum;
+      found = true;
+    }
+    return best;
+  }
 
-  /// The corners of a simplex, label by label.
+  /// Calls body(triangle) for both triangles of a face. It is cut along the diagonal with more corners of the label
+  /// that is strongest there: samples decide what touches and what does not. The same in both cells of the face.
+  template <class Body>
+  void for_triangles(PointSet face, const Body& body) const {
+    const PointSet strong = samples_.corners[strongest(face)];
+    const PointSet one = first_alone(face) | std::bit_floor(face), other = face & ~one;
+    const PointSet diagonal = std::popcount(strong & other) > std::popcount(strong & one) ? other : one;
+    for (PointSet rest = face & ~diagonal; rest != 0; rest = without_first(rest)) body(diagonal | first_alone(rest));
+  }
+
+  [[nodiscard]] std::size_t owner(unsigned point) const {
+    return point == kCentre ? of_centre_ : samples_.owner[point];
+  }
+  [[nodiscard]] Label label(unsigned point) const { return samples_.label[owner(point)]; }
+
+  /// The points of a simplex, label by label.
   struct Parts {
     std::size_t count = 0;
-    std::array<CornerSet, 4> corners{};
+    std::array<PointSet, 4> points{};
   };
-  [[nodiscard]] Parts parts(CornerSet simplex) const {
+  [[nodiscard]] Parts parts(PointSet simplex) const {
     Parts result;
-    for (CornerSet rest = simplex; rest != 0; ++result.count) {
-      result.corners[result.count] = rest & samples_.corners[samples_.owner[first_of(rest)]];
-      rest &= ~result.corners[result.count];
+    for (PointSet rest = simplex; rest != 0; ++result.count) {
+      const std::size_t of = owner(first_of(rest));
+      const PointSet all = samples_.corners[of] | (of == of_centre_ ? kCentreAlone : 0);
+      result.points[result.count] = rest & all;
+      rest &= ~all;
     }
     return result;
   }
 
   /// The node inside a simplex all of whose labels differ.
-  std::uint32_t node(CornerSet simplex) {
+  std::uint32_t node(PointSet simplex) {
     const SimplexName name = kSimplexNames[simplex];
     return chunk_.node(corner_of(cell_, name.lowest), name.kind, [&] { return position(simplex); });
   }
 
-  /// On an edge the crossing; in a triangle the mean of those on its lattice edges, or of all if it has none; in a
-  /// tetrahedron the mean of the nodes in its faces. With all crossings in the middle no angle is below 30 degrees,
-  /// where means of all crossings leave 19.
-  [[nodiscard]] BrickPoint position(CornerSet simplex) {
-    const int size = std::popcount(simplex);
-    if (size == 2) return crossing_on(simplex);
-    std::array<BrickPoint, 4> points;
+  /// On an edge the crossing, in others the mean of the nodes in their faces.
+  [[nodiscard]] BrickPoint position(PointSet simplex) {
+    if (std::popcount(simplex) == 2) return crossing_on(simplex);
+    std::array<BrickPoint, 4> nodes;
     std::size_t count = 0;
-    const bool has_lattice_edge = right_angle(simplex) != 0;
-    for (CornerSet rest = simplex; rest != 0; rest &= rest - 1) {
-      const CornerSet face = simplex & ~first_alone(rest);
-      if (size == 4 || !has_lattice_edge || is_lattice_edge(face)) points[count++] = chunk_.position(node(face));
-    }
-    return mean(std::span(points).first(count));
+    for (PointSet rest = simplex; rest != 0; rest = without_first(rest))
+      nodes[count++] = chunk_.position(node(simplex & ~first_alone(rest)));
+    return mean(std::span(nodes).first(count));
   }
 
-  [[nodiscard]] BrickPoint crossing_on(CornerSet edge) const {
-    const unsigned lower = first_of(edge), upper = first_of(edge & (edge - 1));
-    const std::int32_t t = near_middle(to_fixed(crossing(samples_, lower, upper)));
+  [[nodiscard]] BrickPoint crossing_on(PointSet edge) const {
+    const unsigned lower = first_of(edge), upper = first_of(without_first(edge));
     BrickPoint at = cell_ + CellPoint{};
+    if (upper == kCentre) {
+      for (unsigned axis = 0; axis < 3; ++axis) at[axis] += lower >> axis & 1 ? kStep - kBesideCentre : kBesideCentre;
+      return at;
+    }
+    const std::int32_t t = near_middle(to_fixed(crossing(samples_, lower, upper)));
     for (unsigned axis = 0; axis < 3; ++axis) {
       const std::int32_t from = lower >> axis & 1 ? kStep : 0, to = upper >> axis & 1 ? kStep : 0;
       at[axis] += from == to ? from : from < to ? t : kStep - t;
@@ -115,81 +144,70 @@ class CellDrawer {
     return at;
   }
 
-  void draw_tetrahedron(CornerSet tetrahedron) {
+  void draw_tetrahedron(PointSet tetrahedron) {
     const Parts of = parts(tetrahedron);
-    if (of.count == 2) draw_two_labels(of.corners[0], of.corners[1]);
-    if (of.count == 3) draw_three_labels(tetrahedron, pair_in(of.corners));
+    if (of.count == 2) draw_two_labels(of.points[0], of.points[1]);
+    if (of.count == 3) draw_three_labels(tetrahedron, pair_in(of.points));
     if (of.count == 4) draw_four_labels(tetrahedron);
   }
 
   /// A triangle about the corner that is alone with its label, or a quad.
-  void draw_two_labels(CornerSet a, CornerSet b) {
+  void draw_two_labels(PointSet a, PointSet b) {
     if (std::popcount(a) > std::popcount(b)) std::swap(a, b);
-    const CornerSet b0 = first_alone(b), b1 = first_alone(b & ~b0), b2 = b & ~(b0 | b1);
+    const PointSet b0 = first_alone(b), b1 = first_alone(b & ~b0), b2 = b & ~(b0 | b1);
     if (b2 != 0) return draw_triangle(node(a | b0), node(a | b1), node(a | b2), a | b0);
-    const CornerSet a0 = first_alone(a), a1 = a & ~a0;
-    draw_quad(sheet({a0 | b0, a0 | b1, a1 | b1, a1 | b0}));
+    const PointSet a0 = first_alone(a), a1 = a & ~a0;
+    draw_quad({a0 | b0, a0 | b1, a1 | b1, a1 | b0});
   }
 
-  /// Both triangles with all three labels have a node. The quads beside the line between these are cut along diagonals
-  /// from the same end of it: together they are the cone from there, and so do not cross.
-  void draw_three_labels(CornerSet tetrahedron, CornerSet twice) {
-    const CornerSet a = first_alone(twice), b = twice & ~a;
-    const CornerSet others = tetrahedron & ~twice, x = first_alone(others), y = others & ~x;
-    const Sheet beside_x = sheet({a | others, b | others, b | x, a | x});
-    const Sheet beside_y = sheet({a | others, b | others, b | y, a | y});
-    draw_triangle(beside_x.node[0], beside_x.node[1], node(others), others);
-    const auto sharp_x = sharpness_of(beside_x), sharp_y = sharpness_of(beside_y);
-    const std::size_t first = sharper({std::min(sharp_x[0], sharp_y[0]), std::min(sharp_x[1], sharp_y[1])});
-    draw_quad(beside_x, first);
-    draw_quad(beside_y, first);
+  /// The line between the nodes of both triangles with all three labels parts three surfaces.
+  void draw_three_labels(PointSet tetrahedron, PointSet twice) {
+    const PointSet a = first_alone(twice), b = twice & ~a;
+    const PointSet others = tetrahedron & ~twice, x = first_alone(others), y = others & ~x;
+    draw_triangle(node(a | others), node(b | others), node(others), others);
+    draw_quad({a | others, b | others, b | x, a | x});
+    draw_quad({a | others, b | others, b | y, a | y});
   }
 
-  /// A quad for every edge. The line between its nodes in triangles passes between the edge and the node of the
-  /// tetrahedron (docs/pipeline/6-mesh.md), so with either diagonal it stays where no other quad can be.
-  void draw_four_labels(CornerSet tetrahedron) {
-    for_each_edge(tetrahedron, [&](CornerSet edge) {
-      const CornerSet others = tetrahedron & ~edge, other = first_alone(others);
-      draw_quad(sheet({edge, edge | other, tetrahedron, edge | (others & ~other)}));
+  /// A quad for every edge.
+  void draw_four_labels(PointSet tetrahedron) {
+    for_each_edge(tetrahedron, [&](PointSet edge) {
+      const PointSet others = tetrahedron & ~edge, other = first_alone(others);
+      draw_quad({edge, edge | other, tetrahedron, edge | (others & ~other)});
     });
   }
 
-  void draw_cone_over_triangle(std::uint32_t apex, CornerSet triangle) {
+  void draw_cone_over_triangle(std::uint32_t apex, PointSet triangle) {
     const Parts of = parts(triangle);
     if (of.count == 2) {
-      const CornerSet pair = pair_in(of.corners), alone = triangle & ~pair, b0 = first_alone(pair), b1 = pair & ~b0;
+      const PointSet pair = pair_in(of.points), alone = triangle & ~pair, b0 = first_alone(pair), b1 = pair & ~b0;
       draw_triangle(apex, node(alone | b0), node(alone | b1), alone | b0);
     }
     if (of.count == 3)
-      for_each_edge(triangle, [&](CornerSet edge) { draw_triangle(apex, node(triangle), node(edge), edge); });
+      for_each_edge(triangle, [&](PointSet edge) { draw_triangle(apex, node(triangle), node(edge), edge); });
   }
 
-  /// A quad: the simplices that its corners are the nodes of.
-  struct Sheet {
-    std::array<CornerSet, 4> simplex;
-    std::array<std::uint32_t, 4> node;
-  };
-  [[nodiscard]] Sheet sheet(const std::array<CornerSet, 4>& simplices) {
-    return {simplices, {node(simplices[0]), node(simplices[1]), node(simplices[2]), node(simplices[3])}};
-  }
-  [[nodiscard]] std::array<float, 2> sharpness_of(const Sheet& sheet) const {
-    const auto at = [&](std::size_t i) { return chunk_.position(sheet.node[i]); };
-    return sharpness({at(0), at(1), at(2), at(3)});
-  }
-  void draw_quad(const Sheet& sheet) { draw_quad(sheet, sharper(sharpness_of(sheet))); }
-  /// @param first  where the diagonal starts
-  void draw_quad(const Sheet& sheet, std::size_t first) {
+  /// Cut along the better diagonal: in a tetrahedron both are safe (docs/pipeline/6-mesh.md).
+  /// @param corners  simplices, in whose nodes the corners of the quad are
+  void draw_quad(const std::array<PointSet, 4>& corners) {
+    std::array<std::uint32_t, 4> nodes;
+    Quad quad;
+    for (std::size_t i = 0; i < 4; ++i) {
+      nodes[i] = node(corners[i]);
+      quad[i] = chunk_.position(nodes[i]);
+    }
+    const std::size_t first = sharper(sharpness(quad));
     for (const auto& [second, third] : {std::pair{first + 1, first + 2}, std::pair{first + 2, (first + 3) % 4}}) {
-      const CornerSet own = pair_in(std::array{sheet.simplex[first], sheet.simplex[second], sheet.simplex[third]});
-      draw_triangle(sheet.node[first], sheet.node[second], sheet.node[third], own != 0 ? own : pair_in(sheet.simplex));
+      const PointSet own = pair_in(std::array{corners[first], corners[second], corners[third]});
+      draw_triangle(nodes[first], nodes[second], nodes[third], own != 0 ? own : pair_in(corners));
     }
   }
 
   /// @param edge  the plane of the triangle cuts it, and so tells the labels of its ends apart
-  void draw_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, CornerSet edge) {
+  void draw_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, PointSet edge) {
     using Vector = Eigen::Matrix<std::int64_t, 3, 1>;
     const auto vector = [](const BrickPoint& p) { return Vector(p[0], p[1], p[2]); };
-    const unsigned lower = first_of(edge), upper = first_of(edge & (edge - 1));
+    const unsigned lower = first_of(edge), upper = first_of(without_first(edge));
     const Vector origin = vector(chunk_.position(a));
     const Vector normal = (vector(chunk_.position(b)) - origin).cross(vector(chunk_.position(c)) - origin);
     const bool lower_ahead = normal.dot(vector(corner_of(cell_, lower) + CellPoint{}) - origin) > 0;
@@ -197,16 +215,16 @@ class CellDrawer {
   }
 
   LocalPoint cell_;
-  CornerSet even_;
   ChunkBuffer& chunk_;
   const CellSamples& samples_;
+  std::size_t of_centre_;  ///< label, as an index
 };
 
 }  // namespace
 
 std::uint32_t edge_node(const MixedEdge& edge, ChunkBuffer& chunk) {
   const LocalPoint lower = local_point(edge.cell);
-  return chunk.node(lower, kSimplexNames[set_of(0) | set_of(1u << edge.axis)].kind, [&] {
+  return chunk.node(lower, kSimplexNames[1u | 1u << (1u << edge.axis)].kind, [&] {
     BrickPoint at = lower + CellPoint{};
     at[edge.axis] += near_middle(edge.crossing);
     return at;

@@ -151,6 +151,27 @@ TEST_CASE("mesh: all 3^8 ways to label one cell with three labels are closed, ma
   CHECK(complex_cells > 6561 / 3);
 }
 
+TEST_CASE(
+    "mesh: whether two points of a label across a face or a cell touch is as the samples say, wherever they are") {
+  const Eigen::Vector3i first(4, 5, 4);
+  for (const Eigen::Vector3i& step : {Eigen::Vector3i(1, 1, 0), Eigen::Vector3i(1, -1, 0), Eigen::Vector3i(0, 1, 1),
+                                      Eigen::Vector3i(0, 1, -1), Eigen::Vector3i(1, 0, 1), Eigen::Vector3i(1, 0, -1),
+                                      Eigen::Vector3i(1, 1, 1), Eigen::Vector3i(1, -1, 1), Eigen::Vector3i(-1, 1, 1)})
+    for (const int moved : {0, 1})
+      for (const bool strong : {false, true}) {
+        const Eigen::Vector3i a = first + Eigen::Vector3i(moved, 0, 0), b = a + step;
+        const auto field = [&](const Eigen::Vector3i& p, std::span<float> shares) {
+          const bool inside = p == a || p == b;
+          shares[inside ? 1 : 0] = inside == strong ? 1.0F : 0.3F;
+        };
+        const MeshReport report = check_mesh(extract(SyntheticLattice(10, 2, field)).mesh);
+        CAPTURE(step.transpose());
+        CAPTURE(strong);
+        CHECK(report.closed_manifold());
+        CHECK(report.labels.at(1).components == (strong ? 1 : 2));
+      }
+}
+
 TEST_CASE("mesh: faces with one label on a diagonal and others on the other are closed for every label") {
   // ABAB and ABAC in the face between two cells.
   for (const int other : {1, 2}) {

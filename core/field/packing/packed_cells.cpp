@@ -114,9 +114,13 @@ void PackedCells::collect_labels(std::span<const CellFace> faces, std::span<cons
   };
   for (std::uint32_t i = 0; i < faces.size(); ++i) {
     const bool is_apart = std::binary_search(apart.begin(), apart.end(), i);
-    for (const FaceEdge& edge : *faces[i].polygon)
-      for (const Label label : {edge.left, edge.right})
+    Label left = kBeyondFace, right = kBeyondFace;  // of the edge before: most have the same
+    for (const FaceEdge& edge : *faces[i].polygon) {
+      if (edge.left == left && edge.right == right) continue;
+      left = edge.left, right = edge.right;
+      for (const Label label : {left, right})
         if (label != kUnknown || !is_apart) note(label);
+    }
   }
   labels_.insert(labels_.end(), apart.size(), kUnknown);
   if (static_cast<std::ptrdiff_t>(labels_.size()) == first) note(kUnknown);
@@ -171,53 +175,77 @@ void PackedCells::add_vertex(const Image& image, const Eigen::Vector2d& point, c
 /// their contours.
 void PackedCells::collect_edges(const FacePolygon& polygon, std::span<const Label> slots, std::uint32_t unknown_slot,
                                 std::span<const EdgeBends> bends) {
-  slotted_.clear();
-  for (std::uint32_t i = 0; i < polygon.size(); ++i) {
-    if (polygon[i].a == polygon[i].b) continue;
-    const std::uint32_t left = slot_of(polygon[i].left, slots, unknown_slot);
-    const std::uint32_t right = slot_of(polygon[i].right, slots, unknown_slot);
-    // The sum over an edge changes sign with its direction, so every pair of labels needs one kind of run only.
-    const bool bent = !bends.empty() && (moves(bends[i].a) || moves(bends[i].b));
-    slotted_.push_back({i, bent, left > right, std::min(left, right), std::max(left, right)});
-  }
-  const auto kind = [](const SlottedEdge& e) { return std::tuple(e.bent, e.left, e.right); };
-  std::sort(slotted_.begin(), slotted_.end(), [&](const SlottedEdge& a, const SlottedEdge& b) {
-    return std::tuple(kind(a), a.edge) < std::tuple(kind(b), b.edge);
+  cut_into_pieces(polygon, slots, unknown_slot, bends);
+  const auto kind = [](const Piece& p) { return std::tuple(p.bent, p.left, p.right); };
+  std::sort(pieces_.begin(), pieces_.end(), [&](const Piece& a, const Piece& b) {
+    return std::tuple(kind(a), a.edges.begin) < std::tuple(kind(b), b.edges.begin);
   });
-  for (auto first = slotted_.begin(); first != slotted_.end();) {
-    const auto last =
-        std::find_if(first, slotted_.end(), [&](const SlottedEdge& e) { return kind(e) != kind(*first); });
-    if (first->bent) link(polygon, {first, last});
+  slotted_.clear();
+  for (auto first = pieces_.begin(); first != pieces_.end();) {
+    const auto last = std::find_if(first, pieces_.end(), [&](const Piece& p) { return kind(p) != kind(*first); });
+    if (first->bent) {
+      link({first, last});
+    } else {
+      for (const Piece& piece : std::span(first, last)) take(piece);
+    }
     first = last;
   }
 }
 
-/// Puts each edge behind the one that ends where it starts, where there is one.
-void PackedCells::link(const FacePolygon& polygon, std::span<SlottedEdge> edges) {
+/// Fills pieces_, in the order of the polygon.
+void PackedCells::cut_into_pieces(const FacePolygon& polygon, std::span<const Label> slots, std::uint32_t unknown_slot,
+                                  std::span<const EdgeBends> bends) {
+  pieces_.clear();
+  const FaceEdge* before = nullptr;
+  std::uint32_t left = 0, right = 0;
+  for (std::uint32_t i = 0; i < polygon.size(); ++i) {
+    const FaceEdge& edge = polygon[i];
+    if (edge.a == edge.b) continue;
+    if (before == nullptr || edge.left != before->left || edge.right != before->right) {
+      left = slot_of(edge.left, slots, unknown_slot);
+      right = slot_of(edge.right, slots, unknown_slot);
+    }
+    const bool bent = !bends.empty() && (moves(bends[i].a) || moves(bends[i].b));
+    const bool goes_on = before == &edge - 1 && before->left == edge.left && before->right == edge.right &&
+                         pieces_.back().bent == bent && (!bent || before->b == edge.a);
+    // The sum over an edge changes sign with its direction, so every pair of labels needs one kind of run only.
+    if (!goes_on)
+      pieces_.push_back({bent, left > right, std::min(left, right), std::max(left, right), {i, i}, edge.a, edge.a});
+    Piece& piece = pieces_.back();
+    (piece.turned ? piece.start : piece.end) = edge.b;
+    piece.edges.end = i + 1;
+    before = &edge;
+  }
+}
+
+/// Appends the edges of a piece to slotted_.
+void PackedCells::take(const Piece& piece) {
+  const auto& [begin, end] = piece.edges;
+  for (std::uint32_t k = 0; k < end - begin; ++k)
+    slotted_.push_back(
+        {piece.turned && piece.bent ? end - 1 - k : begin + k, piece.bent, piece.turned, piece.left, piece.right});
+}
+
+/// Takes each piece behind the one that ends where it starts, where there is one.
+void PackedCells::link(std::span<Piece> pieces) {
   const auto before = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
     return std::tuple(p.x(), p.y()) < std::tuple(q.x(), q.y());
   };
-  links_.clear();
-  for (const SlottedEdge& e : edges) {
-    const FaceEdge& edge = polygon[e.edge];
-    links_.push_back({e, e.turned ? edge.b : edge.a, e.turned ? edge.a : edge.b});
-  }
-  std::sort(links_.begin(), links_.end(), [&](const Link& l, const Link& r) { return before(l.start, r.start); });
-  const auto follower = [&](const Eigen::Vector2d& end, auto free) -> Link* {
-    auto at = std::ranges::lower_bound(links_, end, before, &Link::start);
-    while (at != links_.end() && at->start == end && !free(*at)) ++at;
-    return at != links_.end() && at->start == end ? &*at : nullptr;
+  std::ranges::sort(pieces, before, &Piece::start);
+  const auto follower = [&](const Eigen::Vector2d& end, auto free) -> Piece* {
+    auto at = std::ranges::lower_bound(pieces, end, before, &Piece::start);
+    while (at != pieces.end() && at->start == end && !free(*at)) ++at;
+    return at != pieces.end() && at->start == end ? &*at : nullptr;
   };
-  for (const Link& link : links_)
-    if (Link* next = follower(link.end, [](const Link& l) { return !l.follows; })) next->follows = true;
-  auto out = edges.begin();
+  for (const Piece& piece : pieces)
+    if (Piece* next = follower(piece.end, [](const Piece& p) { return !p.follows; })) next->follows = true;
   for (const bool loops : {false, true})
-    for (Link& head : links_)
+    for (Piece& head : pieces)
       if (loops || !head.follows)
-        for (Link* at = head.taken ? nullptr : &head; at != nullptr;
-             at = follower(at->end, [](const Link& l) { return !l.taken; })) {
+        for (Piece* at = head.taken ? nullptr : &head; at != nullptr;
+             at = follower(at->end, [](const Piece& p) { return !p.taken; })) {
           at->taken = true;
-          *out++ = at->edge;
+          take(*at);
         }
 }
 

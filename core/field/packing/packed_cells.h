@@ -57,10 +57,15 @@ class PackedCells {
     bool bent, turned;   ///< turned: its labels were the other way round, so it goes from b to a
     std::uint32_t left, right;
   };
-  /// A bent edge on its way into a chain.
-  struct Link {
-    SlottedEdge edge;
-    Eigen::Vector2d start, end;
+  /// Edges of a polygon that come one after the other, have the same slots, and if they are bent, each start where the
+  /// one before ends.
+  struct Piece {
+    bool bent, turned;
+    std::uint32_t left, right;
+    struct {
+      std::uint32_t begin, end;
+    } edges;
+    Eigen::Vector2d start, end;  ///< turned if they are
     bool follows = false, taken = false;
   };
   /// Image of a face's plane, in units of the cell's size.
@@ -79,7 +84,10 @@ class PackedCells {
   void add_vertex(const Image& image, const Eigen::Vector2d& point, const VertexBend& bend);
   void collect_edges(const FacePolygon& polygon, std::span<const Label> slots, std::uint32_t unknown_slot,
                      std::span<const EdgeBends> bends);
-  void link(const FacePolygon& polygon, std::span<SlottedEdge> edges);
+  void cut_into_pieces(const FacePolygon& polygon, std::span<const Label> slots, std::uint32_t unknown_slot,
+                       std::span<const EdgeBends> bends);
+  void link(std::span<Piece> pieces);
+  void take(const Piece& piece);
   [[nodiscard]] std::size_t add_rigid_run(const FacePolygon& polygon, const Image& image, std::size_t first);
   [[nodiscard]] std::size_t add_bent_run(const FacePolygon& polygon, const Image& image,
                                          std::span<const EdgeBends> bends, std::size_t first);
@@ -93,7 +101,7 @@ class PackedCells {
   std::vector<Label> labels_;
   std::vector<Eigen::Vector3d> centres_mm_;
   std::vector<SlottedEdge> slotted_;
-  std::vector<Link> links_;
+  std::vector<Piece> pieces_;
   BentFace bent_face_;
 };
 

@@ -27,12 +27,22 @@ Eigen::Vector2d outward(const PackedVertex& v) {
   return {v.outward_x, v.outward_y};
 }
 
-double distance_to_edge(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d along = b - a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - t * along).norm();
-}
+/// A straight line between two points.
+class Line {
+ public:
+  Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b) : a_(a), along_(b - a) {
+    const double length2 = along_.squaredNorm();
+    per_length2_ = length2 > 0 ? 1 / length2 : 0;
+  }
+  [[nodiscard]] double squared_distance(const Eigen::Vector2d& p) const {
+    const double t = std::clamp((p - a_).dot(along_) * per_length2_, 0.0, 1.0);
+    return (p - a_ - t * along_).squaredNorm();
+  }
+
+ private:
+  Eigen::Vector2d a_, along_;
+  double per_length2_;
+};
 
 /// Of the area that points enclose, one after the other: its size and, over that, its centre.
 struct Area {
@@ -49,11 +59,13 @@ struct Area {
 /// A chain of 2 edges or more and what may stand for it: a, middle, b.
 class Stretch {
  public:
-  explicit Stretch(std::span<const PackedVertex> chain) : chain_(chain), a_(at(chain.front())), b_(at(chain.back())) {
+  /// @param steps  [chain] lengths of the edges; the last is not read
+  Stretch(std::span<const PackedVertex> chain, std::span<const double> steps)
+      : chain_(chain), steps_(steps), a_(at(chain.front())), b_(at(chain.back())) {
     Eigen::Vector2d low = a_, high = a_;
     for (std::size_t i = 1; i < chain.size(); ++i) {
       low = low.cwiseMin(at(chain[i])), high = high.cwiseMax(at(chain[i]));
-      length_ += (at(chain[i]) - at(chain[i - 1])).norm();
+      length_ += steps[i - 1];
       area_.add_edge(at(chain[i - 1]) - a_, at(chain[i]) - a_);
     }
     centre_ = (low + high) / 2;
@@ -110,23 +122,26 @@ class Stretch {
   /// the centre: its area vanishes, its first moment counts 4 / r^5, its second 12 / r^6, each times h < r. What moves
   /// otherwise than the line from a by the middle to b does adds a first moment that grows with h.
   void bound(PackedStretch& stretch) const {
-    double off = 0, slope_off = 0, curvature_off = 0, passed = 0;
+    const Line first(a_, m_), second(m_, b_);
+    const double per_length = 1 / length_;
+    double off2 = 0, slope_off = 0, curvature_off = 0, passed = 0;
     Area between;
     for (std::size_t i = 0; i < chain_.size(); ++i) {
-      const Eigen::Vector2d p = at(chain_[i]), next = i + 1 < chain_.size() ? at(chain_[i + 1]) : m_;
-      const double step = i + 1 < chain_.size() ? (next - p).norm() : 0;
+      const bool is_last = i + 1 == chain_.size();
+      const Eigen::Vector2d p = at(chain_[i]), next = is_last ? m_ : at(chain_[i + 1]);
+      const double step = is_last ? 0 : steps_[i] * per_length;
       between.add_edge(p - centre_, next - centre_);
-      off = std::max(off, std::min(distance_to_edge(p, a_, m_), distance_to_edge(p, m_, b_)));
-      slope_off += step * std::abs(chain_[i].slope - line(passed / length_, &PackedVertex::slope));
-      curvature_off += step * std::abs(chain_[i].curvature - line(passed / length_, &PackedVertex::curvature));
+      off2 = std::max(off2, std::min(first.squared_distance(p), second.squared_distance(p)));
+      slope_off += step * std::abs(chain_[i].slope - line(passed, &PackedVertex::slope));
+      curvature_off += step * std::abs(chain_[i].curvature - line(passed, &PackedVertex::curvature));
       passed += step;
     }
     between.add_edge(m_ - centre_, a_ - centre_);
     const double least = kLeastDistance * radius_;
     stretch.least2 = static_cast<float>(least * least);
-    stretch.rest = static_cast<float>(4 * between.moment.norm() + 12 * off * length_ * radius_);
-    stretch.sway = static_cast<float>(4 * slope_off * radius_);
-    stretch.bow = static_cast<float>(2 * curvature_off * radius_);
+    stretch.rest = static_cast<float>(4 * between.moment.norm() + 12 * std::sqrt(off2) * length_ * radius_);
+    stretch.sway = static_cast<float>(4 * slope_off * length_ * radius_);
+    stretch.bow = static_cast<float>(2 * curvature_off * length_ * radius_);
   }
 
   /// @param t  share of the way from a to b
@@ -137,6 +152,7 @@ class Stretch {
   [[nodiscard]] Eigen::Vector2d normal() const { return {-along_.y(), along_.x()}; }
 
   std::span<const PackedVertex> chain_;
+  std::span<const double> steps_;
   Eigen::Vector2d a_, b_, centre_, along_, m_;
   double length_ = 0, chord_ = 0, radius_ = 0;
   Area area_;  ///< between the chord and the chain, seen from a
@@ -148,10 +164,15 @@ class Stretch {
 void add_stretches(const std::vector<PackedVertex>& vertices, std::size_t first,
                    std::vector<PackedStretch>& stretches) {
   if (vertices.size() - first <= kShortChain) return;
+  std::vector<double> steps(vertices.size() - first);
+  for (std::size_t i = 0; i + 1 < steps.size(); ++i)
+    steps[i] = (at(vertices[first + i + 1]) - at(vertices[first + i])).norm();
   const std::size_t base = stretches.size();
   const auto halve = [&](const auto& self, std::size_t begin, std::size_t count) -> void {
     const std::size_t own = stretches.size();
-    stretches.push_back(Stretch(std::span(vertices).subspan(begin, count + 1)).packed());
+    stretches.push_back(
+        Stretch(std::span(vertices).subspan(begin, count + 1), std::span(steps).subspan(begin - first, count + 1))
+            .packed());
     stretches[own].first = static_cast<u32>(begin), stretches[own].count = static_cast<u32>(count);
     if (count > kShortStretch) {
       self(self, begin, count / 2);

@@ -43,9 +43,9 @@ inline BrickPoint operator+(LocalPoint cell, const CellPoint& p) {
   return {cell.x * kStep + p[0], cell.y * kStep + p[1], cell.z * kStep + p[2]};
 }
 
-/// What a vertex stands on: the cell at a lattice point (0), or a simplex with its lowest corner there (simplex.h).
+/// What a vertex stands on: the cell at a lattice point (0), or a simplex that lies there (kSimplexNames).
 constexpr unsigned kCellVertex = 0;
-inline constexpr unsigned kSimplexKinds = 128;
+inline constexpr unsigned kSimplexKinds = 78;
 
 /// The name of a vertex, the same in all chunks: 19 bits a lattice coordinate, 7 bits for the kind.
 inline std::uint64_t vertex_key(const BrickCoord& brick, LocalPoint at, unsigned kind) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <bit>
 
@@ -49,5 +50,6 @@ inline constexpr auto kSimplexNames = [] {
   }
   return names;
 }();
+static_assert(std::ranges::max(kSimplexNames, {}, &SimplexName::kind).kind < kSimplexKinds);
 
 }  // namespace sonoloft

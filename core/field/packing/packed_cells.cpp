@@ -178,7 +178,7 @@ void PackedCells::collect_edges(const FacePolygon& polygon, std::span<const Labe
   cut_into_pieces(polygon, slots, unknown_slot, bends);
   const auto kind = [](const Piece& p) { return std::tuple(p.bent, p.left, p.right); };
   std::sort(pieces_.begin(), pieces_.end(), [&](const Piece& a, const Piece& b) {
-    return std::tuple(kind(a), a.edges.begin) < std::tuple(kind(b), b.edges.begin);
+    return std::tuple(kind(a), a.first_edge) < std::tuple(kind(b), b.first_edge);
   });
   slotted_.clear();
   for (auto first = pieces_.begin(); first != pieces_.end();) {
@@ -210,20 +210,20 @@ void PackedCells::cut_into_pieces(const FacePolygon& polygon, std::span<const La
                          pieces_.back().bent == bent && (!bent || before->b == edge.a);
     // The sum over an edge changes sign with its direction, so every pair of labels needs one kind of run only.
     if (!goes_on)
-      pieces_.push_back({bent, left > right, std::min(left, right), std::max(left, right), {i, i}, edge.a, edge.a});
+      pieces_.push_back({bent, left > right, std::min(left, right), std::max(left, right), i, i, edge.a, edge.a});
     Piece& piece = pieces_.back();
     (piece.turned ? piece.start : piece.end) = edge.b;
-    piece.edges.end = i + 1;
+    piece.behind_last = i + 1;
     before = &edge;
   }
 }
 
 /// Appends the edges of a piece to slotted_.
 void PackedCells::take(const Piece& piece) {
-  const auto& [begin, end] = piece.edges;
-  for (std::uint32_t k = 0; k < end - begin; ++k)
-    slotted_.push_back(
-        {piece.turned && piece.bent ? end - 1 - k : begin + k, piece.bent, piece.turned, piece.left, piece.right});
+  const std::uint32_t count = piece.behind_last - piece.first_edge;
+  for (std::uint32_t k = 0; k < count; ++k)
+    slotted_.push_back({piece.turned ? piece.behind_last - 1 - k : piece.first_edge + k, piece.bent, piece.turned,
+                        piece.left, piece.right});
 }
 
 /// Takes each piece behind the one that ends where it starts, where there is one.

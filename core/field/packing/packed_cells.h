@@ -57,15 +57,12 @@ class PackedCells {
     bool bent, turned;   ///< turned: its labels were the other way round, so it goes from b to a
     std::uint32_t left, right;
   };
-  /// Edges of a polygon that come one after the other, have the same slots, and if they are bent, each start where the
-  /// one before ends.
+  /// Edges that come one after the other in the polygon and have the same slots. Bent ones also form a chain.
   struct Piece {
     bool bent, turned;
     std::uint32_t left, right;
-    struct {
-      std::uint32_t begin, end;
-    } edges;
-    Eigen::Vector2d start, end;  ///< turned if they are
+    std::uint32_t first_edge, behind_last;  ///< of the polygon
+    Eigen::Vector2d start, end;             ///< turned if they are
     bool follows = false, taken = false;
   };
   /// Image of a face's plane, in units of the cell's size.

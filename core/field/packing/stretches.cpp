@@ -27,10 +27,9 @@ Eigen::Vector2d outward(const PackedVertex& v) {
   return {v.outward_x, v.outward_y};
 }
 
-/// A straight line between two points.
-class Line {
+class Segment {
  public:
-  Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b) : a_(a), along_(b - a) {
+  Segment(const Eigen::Vector2d& a, const Eigen::Vector2d& b) : a_(a), along_(b - a) {
     const double length2 = along_.squaredNorm();
     per_length2_ = length2 > 0 ? 1 / length2 : 0;
   }
@@ -122,7 +121,7 @@ class Stretch {
   /// the centre: its area vanishes, its first moment counts 4 / r^5, its second 12 / r^6, each times h < r. What moves
   /// otherwise than the line from a by the middle to b does adds a first moment that grows with h.
   void bound(PackedStretch& stretch) const {
-    const Line first(a_, m_), second(m_, b_);
+    const Segment first(a_, m_), second(m_, b_);
     const double per_length = 1 / length_;
     double off2 = 0, slope_off = 0, curvature_off = 0, passed = 0;
     Area between;
